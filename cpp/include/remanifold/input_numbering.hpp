@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Results of the steps in the caller's numbering of the samples. Of samples that were
+// merged the first one carries edge set and star, rows of the others are empty; tangent
+// spaces are repeated for each.
+#pragma once
+
+#include "remanifold/local_region.hpp"
+#include "remanifold/samples.hpp"
+#include "remanifold/tangent_space.hpp"
+#include "remanifold/types.hpp"
+
+namespace remanifold {
+
+/// Bases are NaN on the boundary. Coefficients, which refer to neighbors, are left out.
+TangentSpaces to_input(const Samples& samples, const TangentSpaces& tangents);
+
+/// Rows ascend.
+Csr edge_sets_to_input(const Samples& samples, const LocalRegions& regions);
+
+/// Per sample K + 1 vertices a simplex: the sample itself, then the others ascending; the
+/// simplices of a star are sorted. Offsets count simplices.
+Csr stars_to_input(const Samples& samples, const LocalRegions& regions);
+
+}  // namespace remanifold

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Local region LR(x) = ATS(x) cut by the bisecting halfspaces of x with all other
+// samples (Freedman 2002, section 3.2). In an orthonormal basis of ATS(x) the halfspace
+// of q reads <t, lambda> <= b, with t the tangent coordinates of q - x and
+// b = (|q - x|^2 + w_x - w_q) / 2, so that LR(x) is dual to the hull of the points t / b
+// and the origin: hull vertices are the edge set ES(x), hull facets that avoid the origin
+// are the vertices of LR(x), each dual to a K-simplex at x (the star of x); a facet at the
+// origin is a direction in which LR(x) is unbounded.
+//
+// - Exact over all samples at local cost: a sample farther than twice the radius of the
+//   region cannot cut it (security radius); more neighbors are asked for until then.
+// - The weights w (tie_weights) are 1e-10 of the squared spacing at most. They decide
+//   ties of cocircular samples the same way in every region.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "remanifold/execution.hpp"
+#include "remanifold/neighborhoods.hpp"
+#include "remanifold/samples.hpp"
+#include "remanifold/tangent_space.hpp"
+#include "remanifold/types.hpp"
+
+namespace remanifold {
+
+/// Neighbors that certify nearly all local regions of a random sample of a K-manifold: to
+/// know so many from the start saves asking again.
+Index certifying_count(int dim);
+
+/// A weight per sample: 1e-10 times the squared distance to its nearest neighbor times a
+/// hash of its input number in [0, 1).
+std::vector<double> tie_weights(const Samples& samples,
+                                const Neighborhoods& neighborhoods);
+
+struct LocalRegions {
+  int dim = 0;
+  Csr edge_sets;             ///< ES(x), ascending
+  std::vector<Offset> star_offsets{0};
+  std::vector<Index> stars;  ///< K vertices a simplex, ascending; x itself left out
+  std::vector<double> squared_radii;    ///< of LR(x); infinite where unbounded, NaN on BD
+  Offset neighbors_used = 0;            ///< samples looked at by all regions together
+  Offset vacuous_constraints = 0;       ///< samples straight above x: no constraint
+  double inner_product_seconds = 0;     ///< thread time spent reading coordinates
+};
+
+LocalRegions compute_local_regions(const Samples& samples, const NeighborSearch& search,
+                                   const Neighborhoods& neighborhoods,
+                                   const TangentSpaces& tangents,
+                                   const Execution& execution = {});
+
+}  // namespace remanifold

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// NBD(x): the nearest other samples of each sample (Freedman 2002, section 3), exact and
+// with ties by input number. FLANN's single kd-tree serves small ambient dimensions,
+// blocked matrix products followed by exact distances for a shortlist serve large ones,
+// Gram and distance matrices. Cost O(N log N) or O(N^2 D).
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "remanifold/execution.hpp"
+#include "remanifold/samples.hpp"
+#include "remanifold/types.hpp"
+
+namespace remanifold {
+
+struct Neighbor {
+  double squared_distance;
+  Index index;
+};
+
+enum class SearchMethod {
+  kAuto,
+  kKdTree,      ///< FLANN KDTreeSingleIndex, exact
+  kBruteForce,  ///< exact
+  kApproximate  ///< FLANN KMeansIndex: opt-in, not exact, recall to be measured
+};
+
+struct SearchOptions {
+  SearchMethod method = SearchMethod::kAuto;
+  int checks = 256;  ///< leaves visited by the approximate search
+};
+
+/// Growing nearest-neighbor queries. One Query per thread; queries of one search are
+/// independent of each other.
+class NeighborSearch {
+ public:
+  class Query {
+   public:
+    virtual ~Query() = default;
+    /// Announces that nearest() will be asked for the samples [begin, end), with up to
+    /// `count` neighbors.
+    virtual void prepare(Index /*begin*/, Index /*end*/) {}
+    /// The `count` nearest others of x no farther than the squared radius, sorted by
+    /// squared distance, then by input number.
+    virtual void nearest(Index x, Index count, double squared_radius,
+                         std::vector<Neighbor>& out) = 0;
+  };
+
+  /// The samples must outlive the search.
+  /// \throws std::invalid_argument  a kd-tree or approximate search without points
+  explicit NeighborSearch(const Samples& samples, SearchOptions options = {},
+                          const Execution& execution = {});
+  ~NeighborSearch();
+  NeighborSearch(NeighborSearch&&) noexcept;
+  NeighborSearch& operator=(NeighborSearch&&) noexcept;
+
+  std::unique_ptr<Query> query() const;
+  /// What kAuto decided.
+  SearchMethod method() const { return method_; }
+  /// Samples that one prepare() should cover.
+  Index block_size() const;
+
+  class Implementation;
+
+ private:
+  SearchMethod method_;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+/// The `count` nearest neighbors of each sample, nearest first.
+struct Neighborhoods {
+  Index count = 0;
+  std::vector<Index> indices;  ///< size() x count
+
+  const Index* of(Index i) const {
+    return indices.data() + static_cast<std::size_t>(i) * count;
+  }
+};
+
+/// count is cut to size() - 1.
+Neighborhoods find_neighborhoods(const Samples& samples, const NeighborSearch& search,
+                                 Index count, const Execution& execution = {});
+
+/// Share of the exact neighbors that the search finds, over `num_queries` evenly spread
+/// samples.
+double measure_recall(const Samples& samples, const NeighborSearch& search, Index count,
+                      Index num_queries, const Execution& execution = {});
+
+}  // namespace remanifold

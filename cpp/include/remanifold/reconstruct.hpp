@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The whole pipeline in one call, in the caller's numbering of the samples.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "remanifold/clique_complex.hpp"
+#include "remanifold/execution.hpp"
+#include "remanifold/neighborhoods.hpp"
+#include "remanifold/samples.hpp"
+#include "remanifold/tangent_space.hpp"
+#include "remanifold/types.hpp"
+
+namespace remanifold {
+
+struct ReconstructOptions {
+  TangentOptions tangent;
+  SearchOptions search;
+  EdgeRule edges = EdgeRule::kMutual;
+};
+
+/// Wall seconds of each step. All that reads coordinates counts as neighborhoods: the
+/// search itself and the inner products among neighbors.
+struct StepSeconds {
+  double prepare = 0;
+  double neighborhoods = 0;
+  double inner_products = 0;  ///< part of neighborhoods
+  double tangent_spaces = 0;
+  double local_regions = 0;
+  double complex = 0;
+};
+
+struct Reconstruction {
+  int dim = 0;
+  SimplexArray simplices;  ///< K-simplices, columns ascending, rows sorted
+  SimplexArray edges;
+  Csr edge_sets;
+  Csr stars;  ///< per sample, K + 1 vertices a simplex: the sample, then the others
+  std::vector<double> tangents;           ///< N x K x D, NaN where there is none
+  std::vector<Index> tangent_simplices;   ///< N x (K+1)
+  std::vector<std::uint8_t> boundary;     ///< N: the paper's BD
+  std::vector<std::uint8_t> unbounded;    ///< N: LR(x) is unbounded
+  std::vector<Index> representatives;     ///< N
+  SearchMethod search = SearchMethod::kAuto;
+  double recall = 1.0;  ///< below 1 only for the approximate search; measured on a sample
+  Offset neighbors_used = 0;
+  Offset vacuous_constraints = 0;
+  StepSeconds seconds;
+};
+
+/// The paper's SC(X).
+/// \throws std::invalid_argument, Cancelled
+Reconstruction reconstruct(const Samples& samples, const ReconstructOptions& options,
+                           const Execution& execution = {});
+
+/// How the graph's cliques differ from the stars, and what is open.
+struct PaperReport {
+  SimplexArray callous_faces;        ///< (K-1)-faces with more than two cofaces
+  SimplexArray unstarred_simplices;  ///< cliques that are in no star
+  SimplexArray open_faces;           ///< (K-1)-faces with one coface
+  Index num_holes = 0;
+  Index num_boundary_components = 0;
+};
+/// `stars` and `boundary` as in Reconstruction.
+PaperReport paper_report(const SimplexArray& simplices, const Csr& stars,
+                         const std::vector<std::uint8_t>& boundary,
+                         const Execution& execution = {});
+
+}  // namespace remanifold

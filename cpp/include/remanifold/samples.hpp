@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The samples in canonical form: coinciding samples merged, scaled by a power of two to
+// unit extent (exact, so that neither 1e-150 nor 1e150 under- or overflows), and, for
+// points, sorted along a Morton curve for locality of memory. All steps number samples
+// by their position here; input_index() leads back to the caller's numbers.
+//
+// Samples of a Hilbert space may be known by their inner products or distances only:
+// <a-x, b-x> = (|a-x|^2 + |b-x|^2 - |a-b|^2) / 2 is all that the method needs.
+#pragma once
+
+#include <vector>
+
+#include "remanifold/execution.hpp"
+#include "remanifold/types.hpp"
+
+namespace remanifold {
+
+class Samples {
+ public:
+  /// Points of R^D, one a row. Copies them.
+  /// \throws std::invalid_argument  empty, or a coordinate that is not finite
+  static Samples from_points(MatrixView points, const Execution& execution = {});
+  /// Symmetric positive semidefinite matrix of inner products; not copied, it must
+  /// outlive the samples. Definiteness is not tested here, it costs O(N^3).
+  static Samples from_gram(MatrixView gram, const Execution& execution = {});
+  /// Symmetric matrix of distances with a zero diagonal; not copied.
+  static Samples from_distances(MatrixView distances, const Execution& execution = {});
+
+  Index size() const { return static_cast<Index>(input_index_.size()); }
+  Index input_size() const { return static_cast<Index>(representatives_.size()); }
+  /// True where coordinates are known.
+  bool has_points() const { return kind_ == Kind::kPoints; }
+  /// D, or 0 where only products are known.
+  int ambient_dim() const { return ambient_dim_; }
+  /// Canonical lengths times scale() are input lengths.
+  double scale() const { return scale_; }
+
+  /// The lowest input number of the samples merged into sample i.
+  Index input_index(Index i) const { return input_index_[i]; }
+  /// For each input sample, the lowest input number of those it coincides with.
+  const std::vector<Index>& representatives() const { return representatives_; }
+  /// For each input sample, its number here.
+  std::vector<Index> canonical_indices() const;
+
+  /// Scaled coordinates, size() x D; null where only products are known.
+  const double* point(Index i) const {
+    return points_.data() + static_cast<std::size_t>(i) * ambient_dim_;
+  }
+  double squared_distance(Index a, Index b) const;
+  /// <a - x, b - x>
+  double inner_product(Index x, Index a, Index b) const;
+
+ private:
+  enum class Kind { kPoints, kGram, kDistances };
+  static Samples from_matrix(MatrixView matrix, Kind kind, const Execution& execution);
+
+  Kind kind_ = Kind::kPoints;
+  int ambient_dim_ = 0;
+  double scale_ = 1.0;
+  double inverse_scale_ = 1.0;
+  std::vector<double> points_;
+  MatrixView matrix_;
+  std::vector<Index> input_index_;
+  std::vector<Index> representatives_;
+};
+
+}  // namespace remanifold

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Approximate tangent space ATS(x) of each sample (Freedman 2002, section 3.1), by
+// - enclosure: the first (K+1)-tuple of NBD(x), in colexicographic order of neighbor
+//   ranks, whose simplex holds the projection of x and of no other neighbor;
+// - PCA: the K leading principal directions of the neighborhood;
+// - jet: PCA, then twice a quadratic fit of the neighborhood over the tangent
+//   coordinates, whose linear part tilts the basis (order h^2 instead of h).
+// A sample without a tangent basis belongs to the boundary BD.
+// Work per sample is in the m x m Gram matrix of the neighborhood: free of D.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "remanifold/execution.hpp"
+#include "remanifold/neighborhoods.hpp"
+#include "remanifold/samples.hpp"
+
+namespace remanifold {
+
+enum class Estimator { kEnclosure, kPca, kJet };
+
+struct TangentOptions {
+  int dim = 0;              ///< K
+  Index num_neighbors = 0;  ///< m = rK; 0: 10 K
+  Estimator estimator = Estimator::kEnclosure;
+};
+
+struct TangentSpaces {
+  int dim = 0;
+  /// Points: size() x K x D, orthonormal rows. Empty where only products are known.
+  std::vector<double> bases;
+  /// Products only: size() x K x m, the basis vectors as combinations of the
+  /// differences between the first m neighbors and the sample.
+  std::vector<double> coefficients;
+  Index num_coefficients = 0;  ///< m
+  /// size() x (K+1): the tangent basis tuple, nearest first; -1 where there is none.
+  std::vector<Index> simplices;
+  std::vector<std::uint8_t> boundary;  ///< 1: no tangent basis
+  double inner_product_seconds = 0;    ///< thread time spent reading coordinates
+};
+
+/// \throws std::invalid_argument  K < 1, K > D, fewer neighbors than K + 1 asked for
+TangentSpaces compute_tangent_spaces(const Samples& samples,
+                                     const Neighborhoods& neighborhoods,
+                                     TangentOptions options,
+                                     const Execution& execution = {});
+
+}  // namespace remanifold

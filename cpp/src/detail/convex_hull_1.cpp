@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The hull on a line is an interval.
+#include "detail/convex_hull.hpp"
+
+namespace remanifold::detail {
+namespace {
+
+class Interval final : public ConvexHull {
+ public:
+  void clear() override { low_ = high_ = {0.0, kOrigin}; }
+
+  void insert(const double* point, Index id) override {
+    if (*point < low_.position) {
+      low_ = {*point, id};
+    } else if (*point > high_.position) {
+      high_ = {*point, id};
+    }
+  }
+
+  void update() override {
+    full_dimensional_ = low_.position < high_.position;
+    facets_.clear();
+    vertices_.clear();
+    if (!full_dimensional_) {
+      return;
+    }
+    for (const End& end : {low_, high_}) {
+      facets_.push_back(end.id);
+      if (end.id != kOrigin) {
+        vertices_.push_back(end.id);
+      }
+    }
+  }
+
+ private:
+  struct End {
+    double position;
+    Index id;
+  };
+  End low_{0.0, kOrigin};
+  End high_{0.0, kOrigin};
+};
+
+}  // namespace
+
+std::unique_ptr<ConvexHull> make_convex_hull(int dim) {
+  switch (dim) {
+    case 1:
+      return std::make_unique<Interval>();
+    case 2:
+      return make_convex_hull_2();
+    case 3:
+      return make_convex_hull_3();
+    default:
+      return make_convex_hull_d(dim);
+  }
+}
+
+}  // namespace remanifold::detail

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a nearest-neighbor search has to provide; one implementation a file.
+#pragma once
+
+#include <algorithm>
+#include <memory>
+
+#include "remanifold/neighborhoods.hpp"
+
+namespace remanifold {
+
+class NeighborSearch::Implementation {
+ public:
+  virtual ~Implementation() = default;
+  virtual std::unique_ptr<Query> query() const = 0;
+  virtual Index block_size() const = 0;
+};
+
+namespace detail {
+
+/// Exact search by comparing with every sample.
+std::unique_ptr<NeighborSearch::Implementation> make_brute_force(const Samples& samples);
+
+/// Orders neighbors by squared distance, then by input number.
+class NeighborOrder {
+ public:
+  explicit NeighborOrder(const Samples& samples) : samples_(&samples) {}
+  bool operator()(const Neighbor& a, const Neighbor& b) const {
+    return a.squared_distance != b.squared_distance
+               ? a.squared_distance < b.squared_distance
+               : samples_->input_index(a.index) < samples_->input_index(b.index);
+  }
+
+ private:
+  const Samples* samples_;
+};
+
+/// Cuts the list to the `count` first in order and sorts these.
+inline void keep_nearest(std::vector<Neighbor>& list, Index count,
+                         const NeighborOrder& order) {
+  if (static_cast<Offset>(list.size()) > count) {
+    std::nth_element(list.begin(), list.begin() + count, list.end(), order);
+    list.resize(count);
+  }
+  std::sort(list.begin(), list.end(), order);
+}
+
+}  // namespace detail
+}  // namespace remanifold

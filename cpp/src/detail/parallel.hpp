@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Parallel loops whose result does not depend on the number of threads: blocks of fixed
+// size, each writing its own slots. Cancellation is looked at once a block.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+
+#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+#include <tbb/partitioner.h>
+#include <tbb/task_arena.h>
+
+#include "remanifold/execution.hpp"
+#include "remanifold/types.hpp"
+
+namespace remanifold::detail {
+
+/// body(begin, end) on consecutive blocks that cover [0, count).
+template <class Body>
+void for_each_block(Offset count, Offset block, const Execution& execution,
+                    const Body& body) {
+  const Offset num_blocks = (count + block - 1) / block;
+  const auto run = [&](Offset b) {
+    execution.poll();
+    const Offset begin = b * block;
+    const Offset end = std::min(count, begin + block);
+    body(begin, end);
+    if (execution.progress != nullptr) {
+      execution.progress->done.fetch_add(end - begin, std::memory_order_relaxed);
+    }
+  };
+  if (execution.num_threads == 1 || num_blocks <= 1) {
+    for (Offset b = 0; b < num_blocks; ++b) {
+      run(b);
+    }
+    return;
+  }
+  tbb::task_arena arena(execution.num_threads > 0 ? execution.num_threads
+                                                  : tbb::task_arena::automatic);
+  arena.execute([&] {
+    tbb::parallel_for(
+        tbb::blocked_range<Offset>(0, num_blocks, 1),
+        [&](const tbb::blocked_range<Offset>& range) {
+          for (Offset b = range.begin(); b != range.end(); ++b) {
+            run(b);
+          }
+        },
+        tbb::simple_partitioner());
+  });
+}
+
+/// A scratch object for each thread, made on first use.
+template <class T>
+using PerThread = tbb::enumerable_thread_specific<T>;
+
+inline void begin_step(const Execution& execution, Step step, Offset total) {
+  if (execution.progress != nullptr) {
+    execution.progress->step = step;
+    execution.progress->done = 0;
+    execution.progress->total = total;
+  }
+}
+
+class Stopwatch {
+ public:
+  /// Seconds since construction or the last call.
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    const double seconds = std::chrono::duration<double>(now - start_).count();
+    start_ = now;
+    return seconds;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace remanifold::detail

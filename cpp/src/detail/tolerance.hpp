@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Every tolerance of the core by name. All are relative; lengths are those of the
+// canonical samples, whose extent is 1.
+#pragma once
+
+namespace remanifold::detail {
+
+/// Barycentric coordinates count as inside down to minus this: a sample exactly on the
+/// face of a simplex is enclosed whichever way its coordinates were rounded.
+constexpr double kEnclosureTolerance = 1e-12;
+
+/// Squared sine below which a vector counts as dependent on the others. The Gram matrix
+/// resolves squared sines down to about 1e-15.
+constexpr double kDependentSquaredSine = 1e-13;
+
+/// Tie-breaking weights in units of the squared nearest-neighbor distance: far above
+/// rounding (1e-15), far below any distance that means something.
+constexpr double kTieWeight = 1e-10;
+
+/// A neighbor whose tangent coordinates are shorter than this times its distance lies
+/// straight above the sample: its halfspace holds the whole tangent space.
+constexpr double kVacuousSquaredSine = 1e-24;
+
+/// Slack of the filter that passes over halfspaces which cannot cut; the exact hull
+/// decides on whatever the filter lets through.
+constexpr double kRedundantSlack = 1e-6;
+
+/// Slack of the security radius, for rounding and tie-breaking weights.
+constexpr double kSecuritySlack = 1e-6;
+
+/// Two samples of a Gram matrix coincide when their squared distance is below this times
+/// the sum of their squared norms: it is rounding.
+constexpr double kGramCoincidence = 16 * 2.220446049250313e-16;
+
+/// Coordinates are rounded to multiples of this, so that no squared distance between
+/// distinct samples underflows. Only values below 2^-48 are affected.
+constexpr double kCoordinateQuantum = 0x1p-100;
+
+}  // namespace remanifold::detail

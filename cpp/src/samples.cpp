@@ -1,0 +1,324 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "remanifold/samples.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <stdexcept>
+#include <string>
+
+#include "detail/distance.hpp"
+#include "detail/parallel.hpp"
+#include "detail/tolerance.hpp"
+
+namespace remanifold {
+namespace {
+
+constexpr Offset kMaxSamples = std::numeric_limits<Index>::max() - 1;
+constexpr Offset kBlock = 1 << 14;
+
+void check_count(Offset rows, const char* what) {
+  if (rows < 1) {
+    throw std::invalid_argument(std::string(what) + " is empty: no samples");
+  }
+  if (rows > kMaxSamples) {
+    throw std::overflow_error(std::string(what) + " has " + std::to_string(rows) +
+                              " samples; at most " + std::to_string(kMaxSamples) +
+                              " are supported");
+  }
+}
+
+void check_finite(MatrixView matrix, const char* what, const Execution& execution) {
+  detail::for_each_block(matrix.rows, kBlock, execution, [&](Offset begin, Offset end) {
+    for (Offset i = begin; i < end; ++i) {
+      for (Offset j = 0; j < matrix.cols; ++j) {
+        if (!std::isfinite(matrix.row(i)[j])) {
+          throw std::invalid_argument(std::string(what) + "[" + std::to_string(i) + ", " +
+                                      std::to_string(j) + "] is not finite");
+        }
+      }
+    }
+  });
+}
+
+/// The power of two p with extent / p in [0.5, 1); 1 for an extent of zero.
+double power_of_two_above(double extent) {
+  if (extent == 0) {
+    return 1.0;
+  }
+  int exponent = 0;
+  std::frexp(extent, &exponent);
+  // Both p and 1 / p have to be representable.
+  return std::ldexp(1.0, std::clamp(exponent, -1021, 1022));
+}
+
+double quantize(double v) {
+  if (std::abs(v) >= 0x1p-48) {
+    return v;
+  }
+  constexpr double shift = 1.5 * 0x1p52 * detail::kCoordinateQuantum;
+  return (v + shift) - shift;
+}
+
+/// Interleaves the low 21 bits of x with two zero bits each.
+std::uint64_t spread_by_three(std::uint64_t x) {
+  x &= 0x1fffff;
+  x = (x | x << 32) & 0x1f00000000ffffULL;
+  x = (x | x << 16) & 0x1f0000ff0000ffULL;
+  x = (x | x << 8) & 0x100f00f00f00f00fULL;
+  x = (x | x << 4) & 0x10c30c30c30c30c3ULL;
+  x = (x | x << 2) & 0x1249249249249249ULL;
+  return x;
+}
+
+}  // namespace
+
+Samples Samples::from_points(MatrixView points, const Execution& execution) {
+  check_count(points.rows, "points");
+  if (points.cols < 1) {
+    throw std::invalid_argument("points has no coordinates: its second axis is empty");
+  }
+  detail::begin_step(execution, Step::kPrepare, points.rows);
+  check_finite(points, "points", execution);
+
+  const Offset n = points.rows;
+  const Offset dim = points.cols;
+  std::vector<double> low(points.row(0), points.row(0) + dim);
+  std::vector<double> high = low;
+  for (Offset i = 1; i < n; ++i) {
+    for (Offset j = 0; j < dim; ++j) {
+      low[j] = std::min(low[j], points.row(i)[j]);
+      high[j] = std::max(high[j], points.row(i)[j]);
+    }
+  }
+  // Half the extent, since the extent itself may overflow.
+  const auto half_extent = [&](Offset j) { return high[j] / 2 - low[j] / 2; };
+  double largest = 0;
+  for (Offset j = 0; j < dim; ++j) {
+    largest = std::max(largest, half_extent(j));
+  }
+
+  Samples samples;
+  samples.kind_ = Kind::kPoints;
+  samples.ambient_dim_ = static_cast<int>(dim);
+  samples.scale_ = power_of_two_above(largest);
+  samples.inverse_scale_ = 1.0 / samples.scale_;
+
+  // Morton code of the three longest axes.
+  std::array<Offset, 3> axes{};
+  const int num_axes = static_cast<int>(std::min<Offset>(3, dim));
+  {
+    std::vector<Offset> order(dim);
+    std::iota(order.begin(), order.end(), Offset{0});
+    std::partial_sort(order.begin(), order.begin() + num_axes, order.end(),
+                      [&](Offset a, Offset b) {
+                        const double ea = half_extent(a);
+                        const double eb = half_extent(b);
+                        return ea != eb ? ea > eb : a < b;
+                      });
+    std::copy_n(order.begin(), num_axes, axes.begin());
+  }
+  struct Key {
+    std::uint64_t code;
+    Index index;
+  };
+  std::vector<Key> keys(n);
+  detail::for_each_block(n, kBlock, execution, [&](Offset begin, Offset end) {
+    for (Offset i = begin; i < end; ++i) {
+      std::uint64_t code = 0;
+      for (int a = 0; a < num_axes; ++a) {
+        const double position =
+            largest == 0 ? 0.0
+                         : (points.row(i)[axes[a]] / 2 - low[axes[a]] / 2) / largest;
+        const auto cell = static_cast<std::uint64_t>(position * 0x1fffff);
+        code |= spread_by_three(std::min<std::uint64_t>(cell, 0x1fffff)) << a;
+      }
+      keys[i] = {code, static_cast<Index>(i)};
+    }
+  });
+  const auto scaled = [&](Index i, Offset j) {
+    return quantize(points.row(i)[j] * samples.inverse_scale_);
+  };
+  const auto compare_coordinates = [&](Index a, Index b) {
+    for (Offset j = 0; j < dim; ++j) {
+      const double ca = scaled(a, j);
+      const double cb = scaled(b, j);
+      if (ca != cb) {
+        return ca < cb ? -1 : 1;
+      }
+    }
+    return 0;
+  };
+  execution.poll();
+  std::sort(keys.begin(), keys.end(), [&](const Key& a, const Key& b) {
+    if (a.code != b.code) {
+      return a.code < b.code;
+    }
+    const int order = compare_coordinates(a.index, b.index);
+    return order != 0 ? order < 0 : a.index < b.index;
+  });
+  execution.poll();
+
+  samples.representatives_.resize(n);
+  samples.input_index_.reserve(n);
+  for (Offset i = 0; i < n; ++i) {
+    const Index index = keys[i].index;
+    const bool repeats = i > 0 && keys[i].code == keys[i - 1].code &&
+                         compare_coordinates(index, keys[i - 1].index) == 0;
+    if (!repeats) {
+      samples.input_index_.push_back(index);
+    }
+    samples.representatives_[index] = samples.input_index_.back();
+  }
+  samples.input_index_.shrink_to_fit();
+  keys = {};
+
+  samples.points_.resize(static_cast<std::size_t>(samples.size()) * dim);
+  detail::for_each_block(
+      samples.size(), kBlock, execution, [&](Offset begin, Offset end) {
+        for (Offset i = begin; i < end; ++i) {
+          for (Offset j = 0; j < dim; ++j) {
+            samples.points_[i * dim + j] = scaled(samples.input_index_[i], j);
+          }
+        }
+      });
+  return samples;
+}
+
+Samples Samples::from_gram(MatrixView gram, const Execution& execution) {
+  return from_matrix(gram, Kind::kGram, execution);
+}
+
+Samples Samples::from_distances(MatrixView distances, const Execution& execution) {
+  return from_matrix(distances, Kind::kDistances, execution);
+}
+
+Samples Samples::from_matrix(MatrixView matrix, Kind kind, const Execution& execution) {
+  const bool is_gram = kind == Kind::kGram;
+  const char* what = is_gram ? "gram" : "distances";
+  check_count(matrix.rows, what);
+  if (matrix.rows != matrix.cols) {
+    throw std::invalid_argument(std::string(what) + " is not square: " +
+                                std::to_string(matrix.rows) + " x " +
+                                std::to_string(matrix.cols));
+  }
+  const Offset n = matrix.rows;
+  detail::begin_step(execution, Step::kPrepare, 3 * n);
+  check_finite(matrix, what, execution);
+
+  double largest = 0;
+  for (Offset i = 0; i < n; ++i) {
+    const double* row = matrix.row(i);
+    if (is_gram ? row[i] < 0 : row[i] != 0) {
+      throw std::invalid_argument(std::string(what) + "[" + std::to_string(i) + ", " +
+                                  std::to_string(i) + "] is " +
+                                  (is_gram ? "negative: not positive semidefinite"
+                                           : "not zero"));
+    }
+    largest = is_gram ? std::max(largest, row[i])
+                      : std::max(largest, *std::max_element(row, row + n));
+  }
+  // Rounding of a product of two matrices is relative to the norms, not to the entry.
+  const double asymmetry = 1e-10 * largest;
+  detail::for_each_block(n, 64, execution, [&](Offset begin, Offset end) {
+    for (Offset i = begin; i < end; ++i) {
+      for (Offset j = 0; j < i; ++j) {
+        const double ij = matrix.row(i)[j];
+        if (std::abs(ij - matrix.row(j)[i]) > asymmetry) {
+          throw std::invalid_argument(std::string(what) + " is not symmetric at [" +
+                                      std::to_string(i) + ", " + std::to_string(j) + "]");
+        }
+        if (!is_gram && ij < 0) {
+          throw std::invalid_argument(std::string(what) + "[" + std::to_string(i) + ", " +
+                                      std::to_string(j) + "] is negative");
+        }
+      }
+    }
+  });
+
+  Samples samples;
+  samples.kind_ = kind;
+  samples.matrix_ = matrix;
+  samples.scale_ = power_of_two_above(is_gram ? std::sqrt(largest) : largest / 2);
+  samples.inverse_scale_ = 1.0 / samples.scale_;
+
+  // Every sample joins the first one it coincides with; identity numbers for now.
+  samples.input_index_.resize(n);
+  std::iota(samples.input_index_.begin(), samples.input_index_.end(), Index{0});
+  samples.representatives_.resize(n);
+  detail::for_each_block(n, 64, execution, [&](Offset begin, Offset end) {
+    for (Offset i = begin; i < end; ++i) {
+      Index first = 0;
+      while (first < i && samples.squared_distance(first, static_cast<Index>(i)) > 0) {
+        ++first;
+      }
+      samples.representatives_[i] = first;
+    }
+  });
+  std::vector<Index> distinct;
+  for (Index i = 0; i < n; ++i) {
+    // Coincidence within rounding need not be transitive; chains join their head.
+    Index& head = samples.representatives_[i];
+    head = head == i ? i : samples.representatives_[head];
+    if (head == i) {
+      distinct.push_back(i);
+    }
+  }
+  samples.input_index_ = std::move(distinct);
+  return samples;
+}
+
+std::vector<Index> Samples::canonical_indices() const {
+  std::vector<Index> canonical(representatives_.size());
+  for (Index i = 0; i < size(); ++i) {
+    canonical[input_index_[i]] = i;
+  }
+  for (std::size_t i = 0; i < canonical.size(); ++i) {
+    canonical[i] = canonical[representatives_[i]];
+  }
+  return canonical;
+}
+
+double Samples::squared_distance(Index a, Index b) const {
+  if (kind_ == Kind::kPoints) {
+    return detail::squared_distance(point(a), point(b), ambient_dim_);
+  }
+  const Offset i = input_index_[a];
+  const Offset j = input_index_[b];
+  if (kind_ == Kind::kDistances) {
+    const double distance = quantize(matrix_.row(i)[j] * inverse_scale_);
+    return distance * distance;
+  }
+  const double norms = (matrix_.row(i)[i] * inverse_scale_) * inverse_scale_ +
+                       (matrix_.row(j)[j] * inverse_scale_) * inverse_scale_;
+  const double squared =
+      norms - 2 * (matrix_.row(i)[j] * inverse_scale_) * inverse_scale_;
+  return squared <= detail::kGramCoincidence * norms ? 0.0 : squared;
+}
+
+double Samples::inner_product(Index x, Index a, Index b) const {
+  if (kind_ == Kind::kPoints) {
+    const double* px = point(x);
+    const double* pa = point(a);
+    const double* pb = point(b);
+    double sum = 0;
+    for (int i = 0; i < ambient_dim_; ++i) {
+      sum += (pa[i] - px[i]) * (pb[i] - px[i]);
+    }
+    return sum;
+  }
+  if (kind_ == Kind::kDistances) {
+    return (squared_distance(x, a) + squared_distance(x, b) - squared_distance(a, b)) / 2;
+  }
+  const Offset ix = input_index_[x];
+  const Offset ia = input_index_[a];
+  const Offset ib = input_index_[b];
+  const double product =
+      (matrix_.row(ia)[ib] - matrix_.row(ix)[ib]) + (matrix_.row(ix)[ix] - matrix_.row(ix)[ia]);
+  return (product * inverse_scale_) * inverse_scale_;
+}
+
+}  // namespace remanifold

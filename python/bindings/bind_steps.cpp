@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Each step on its own, in the caller's numbering of the samples.
+#include <cmath>
+#include <limits>
+
+#include "arrays.hpp"
+#include "options.hpp"
+#include "run.hpp"
+
+namespace remanifold::python {
+namespace {
+
+py::tuple neighborhoods(const std::string& kind, const InputArray<double>& matrix,
+                        Index num_neighbors, const std::string& search, int checks,
+                        int num_threads, const py::object& progress) {
+  struct Result {
+    Index count = 0;
+    std::vector<Index> indices;
+    std::vector<double> distances;
+    SearchMethod method = SearchMethod::kAuto;
+    double recall = 1.0;
+  };
+  const SearchOptions options = search_options(search, checks);
+  const MatrixView input = view(matrix);
+  Result result = run(num_threads, progress, [&](const Execution& execution) {
+    const Samples samples = make_samples(kind, input, execution);
+    const NeighborSearch index(samples, options, execution);
+    const Neighborhoods found =
+        find_neighborhoods(samples, index, num_neighbors, execution);
+    const std::vector<Index> canonical = samples.canonical_indices();
+    Result out;
+    out.count = found.count;
+    out.indices.reserve(canonical.size() * found.count);
+    out.distances.reserve(canonical.size() * found.count);
+    for (const Index i : canonical) {
+      for (Index k = 0; k < found.count; ++k) {
+        const Index j = found.of(i)[k];
+        out.indices.push_back(samples.input_index(j));
+        out.distances.push_back(std::sqrt(samples.squared_distance(i, j)) *
+                                samples.scale());
+      }
+    }
+    out.method = index.method();
+    if (out.method == SearchMethod::kApproximate) {
+      out.recall = measure_recall(samples, index, num_neighbors, 200, execution);
+    }
+    return out;
+  });
+  const py::ssize_t rows = matrix.shape(0);
+  const py::ssize_t columns = result.count;
+  return py::make_tuple(to_numpy(std::move(result.indices), {rows, columns}),
+                        to_numpy(std::move(result.distances), {rows, columns}),
+                        search_name(result.method), result.recall);
+}
+
+py::tuple tangent_spaces(const std::string& kind, const InputArray<double>& matrix,
+                         int dim, Index num_neighbors, const std::string& estimator,
+                         const std::string& search, int checks, int num_threads,
+                         const py::object& progress) {
+  const TangentOptions tangent{dim, num_neighbors, estimator_of(estimator)};
+  const SearchOptions options = search_options(search, checks);
+  const MatrixView input = view(matrix);
+  TangentSpaces result = run(num_threads, progress, [&](const Execution& execution) {
+    const Samples samples = make_samples(kind, input, execution);
+    const NeighborSearch index(samples, options, execution);
+    const Neighborhoods found =
+        find_neighborhoods(samples, index, num_neighbors, execution);
+    return to_input(samples,
+                    compute_tangent_spaces(samples, found, tangent, execution));
+  });
+  const py::ssize_t rows = matrix.shape(0);
+  py::object bases = py::none();
+  if (kind == "points") {
+    bases = to_numpy(std::move(result.bases), {rows, dim, matrix.shape(1)});
+  }
+  return py::make_tuple(bases, to_numpy(std::move(result.simplices), {rows, dim + 1}),
+                        to_bool_array(std::move(result.boundary)));
+}
+
+py::tuple local_regions(const InputArray<double>& points, const InputArray<double>& bases,
+                        const InputArray<bool>& boundary, const std::string& search,
+                        int checks, int num_threads, const py::object& progress) {
+  struct Result {
+    Csr edge_sets;
+    Csr stars;
+    std::vector<double> radii;
+  };
+  const SearchOptions options = search_options(search, checks);
+  const MatrixView input = view(points);
+  const auto dim = static_cast<int>(bases.shape(1));
+  const auto size = static_cast<std::size_t>(dim) * input.cols;
+  const double* given = bases.data();
+  const bool* excluded = boundary.data();
+  Result result = run(num_threads, progress, [&](const Execution& execution) {
+    const Samples samples = Samples::from_points(input, execution);
+    const NeighborSearch index(samples, options, execution);
+    const Neighborhoods found =
+        find_neighborhoods(samples, index, certifying_count(dim), execution);
+    TangentSpaces tangents;
+    tangents.dim = dim;
+    tangents.bases.resize(samples.size() * size);
+    tangents.boundary.resize(samples.size());
+    for (Index i = 0; i < samples.size(); ++i) {
+      const Index from = samples.input_index(i);
+      std::copy_n(given + from * size, size, tangents.bases.data() + i * size);
+      tangents.boundary[i] = excluded[from] ? 1 : 0;
+    }
+    const LocalRegions regions =
+        compute_local_regions(samples, index, found, tangents, execution);
+    Result out;
+    out.edge_sets = edge_sets_to_input(samples, regions);
+    out.stars = stars_to_input(samples, regions);
+    for (const Index i : samples.canonical_indices()) {
+      out.radii.push_back(std::sqrt(regions.squared_radii[i]) * samples.scale());
+    }
+    return out;
+  });
+  const auto star_count = static_cast<py::ssize_t>(result.stars.offsets.back());
+  return py::make_tuple(
+      to_numpy(std::move(result.edge_sets.offsets)),
+      to_numpy(std::move(result.edge_sets.indices)),
+      to_numpy(std::move(result.stars.offsets)),
+      to_numpy(std::move(result.stars.indices), {star_count, dim + 1}),
+      to_numpy(std::move(result.radii)));
+}
+
+py::array cliques(const InputArray<Offset>& offsets, const InputArray<Index>& indices,
+                  int dim, const std::string& edges, int num_threads,
+                  const py::object& progress) {
+  const EdgeRule rule = edge_rule(edges);
+  const Csr edge_sets{to_vector(offsets), to_vector(indices)};
+  return to_numpy(run(num_threads, progress, [&](const Execution& execution) {
+    return clique_complex(edge_graph(edge_sets, rule, execution), dim, execution);
+  }));
+}
+
+}  // namespace
+
+void bind_steps(py::module_& module) {
+  module.def("neighborhoods", &neighborhoods, py::arg("kind"),
+             py::arg("matrix").noconvert(), py::arg("num_neighbors"), py::arg("search"),
+             py::arg("checks"), py::arg("num_threads"), py::arg("progress"));
+  module.def("tangent_spaces", &tangent_spaces, py::arg("kind"),
+             py::arg("matrix").noconvert(), py::arg("dim"), py::arg("num_neighbors"),
+             py::arg("estimator"), py::arg("search"), py::arg("checks"),
+             py::arg("num_threads"), py::arg("progress"));
+  module.def("local_regions", &local_regions, py::arg("points").noconvert(),
+             py::arg("bases").noconvert(), py::arg("boundary").noconvert(),
+             py::arg("search"), py::arg("checks"), py::arg("num_threads"),
+             py::arg("progress"));
+  module.def("clique_complex", &cliques, py::arg("offsets").noconvert(),
+             py::arg("indices").noconvert(), py::arg("dim"), py::arg("edges"),
+             py::arg("num_threads"), py::arg("progress"));
+}
+
+}  // namespace remanifold::python

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <pybind11/pybind11.h>
+
+namespace remanifold::python {
+void bind_steps(pybind11::module_& module);
+void bind_reconstruct(pybind11::module_& module);
+void bind_topology(pybind11::module_& module);
+}  // namespace remanifold::python
+
+PYBIND11_MODULE(_core, module) {
+  module.doc() = "Compiled core of remanifold; use the package instead.";
+  module.attr("__version__") = REMANIFOLD_VERSION;
+  remanifold::python::bind_steps(module);
+  remanifold::python::bind_reconstruct(module);
+  remanifold::python::bind_topology(module);
+}

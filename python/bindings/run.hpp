@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Runs the core without the GIL, on a thread of its own, while the calling thread shows
+// progress and listens for Ctrl-C.
+#pragma once
+
+#include <chrono>
+#include <future>
+#include <string>
+#include <utility>
+
+#include <pybind11/pybind11.h>
+
+#include "remanifold/execution.hpp"
+
+namespace remanifold::python {
+
+namespace py = pybind11;
+
+inline const char* step_name(Step step) {
+  switch (step) {
+    case Step::kPrepare:
+      return "prepare";
+    case Step::kNeighborhoods:
+      return "neighborhoods";
+    case Step::kTangentSpaces:
+      return "tangent_spaces";
+    case Step::kLocalRegions:
+      return "local_regions";
+    case Step::kComplex:
+      return "complex";
+    case Step::kTopology:
+      return "topology";
+  }
+  return "";
+}
+
+/// \param on_progress  None, or called as on_progress(step, done, total)
+/// \param work  called with the Execution; must not touch Python objects
+template <class Work>
+auto run(int num_threads, const py::object& on_progress, Work&& work) {
+  constexpr auto interval = std::chrono::milliseconds(50);
+  Progress progress;
+  const Execution execution{num_threads, &progress};
+  std::future<decltype(work(execution))> result;
+  const auto wait = [&](auto duration) {
+    const py::gil_scoped_release release;
+    return result.wait_for(duration) == std::future_status::ready;
+  };
+  {
+    const py::gil_scoped_release release;
+    result = std::async(std::launch::async, [&] { return work(execution); });
+  }
+  try {
+    while (!wait(interval)) {
+      if (PyErr_CheckSignals() != 0) {
+        throw py::error_already_set();
+      }
+      if (!on_progress.is_none()) {
+        on_progress(step_name(progress.step), progress.done.load(),
+                    progress.total.load());
+      }
+    }
+  } catch (...) {
+    progress.cancel = true;
+    const py::gil_scoped_release release;
+    result.wait();
+    throw;
+  }
+  return result.get();
+}
+
+}  // namespace remanifold::python

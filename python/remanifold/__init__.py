@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Simplicial reconstruction of manifolds from their samples.
+
+>>> import remanifold as rm
+>>> points = rm.datasets.torus(2000, random_state=0)
+>>> rec = rm.reconstruct(points, 2)
+>>> rec.simplices.shape[1]
+3
+"""
+
+try:
+    from remanifold import _core
+except ImportError as error:
+    _HINT = (
+        f"{error}. The compiled part of remanifold is missing; install the package "
+        "with pip rather than importing it from its source tree"
+    )
+    raise ImportError(_HINT) from error
+
+from remanifold import datasets, io
+from remanifold.reconstruction import Reconstruction, Repair, reconstruct
+from remanifold.steps import (
+    EdgeSets,
+    LocalRegions,
+    Neighborhoods,
+    Stars,
+    TangentSpaces,
+    clique_complex,
+    edge_sets,
+    local_regions,
+    neighborhoods,
+    tangent_spaces,
+)
+from remanifold.topology import Topology, compute_topology
+from remanifold.warnings import RecallWarning, RemanifoldWarning
+
+__version__: str = _core.__version__
+
+__all__ = [
+    "EdgeSets",
+    "LocalRegions",
+    "Neighborhoods",
+    "RecallWarning",
+    "Reconstruction",
+    "RemanifoldWarning",
+    "Repair",
+    "Stars",
+    "TangentSpaces",
+    "Topology",
+    "__version__",
+    "clique_complex",
+    "compute_topology",
+    "datasets",
+    "edge_sets",
+    "io",
+    "local_regions",
+    "neighborhoods",
+    "reconstruct",
+    "tangent_spaces",
+]

@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+_Progress = Callable[[str, int, int], object] | None
+
+__version__: str
+
+def neighborhoods(
+    kind: str,
+    matrix: NDArray[np.float64],
+    num_neighbors: int,
+    search: str,
+    checks: int,
+    num_threads: int,
+    progress: _Progress,
+) -> tuple[NDArray[np.int32], NDArray[np.float64], str, float]: ...
+def tangent_spaces(
+    kind: str,
+    matrix: NDArray[np.float64],
+    dim: int,
+    num_neighbors: int,
+    estimator: str,
+    search: str,
+    checks: int,
+    num_threads: int,
+    progress: _Progress,
+) -> tuple[NDArray[np.float64] | None, NDArray[np.int32], NDArray[np.bool_]]: ...
+def local_regions(
+    points: NDArray[np.float64],
+    bases: NDArray[np.float64],
+    boundary: NDArray[np.bool_],
+    search: str,
+    checks: int,
+    num_threads: int,
+    progress: _Progress,
+) -> tuple[
+    NDArray[np.int64],
+    NDArray[np.int32],
+    NDArray[np.int64],
+    NDArray[np.int32],
+    NDArray[np.float64],
+]: ...
+def clique_complex(
+    offsets: NDArray[np.int64],
+    indices: NDArray[np.int32],
+    dim: int,
+    edges: str,
+    num_threads: int,
+    progress: _Progress,
+) -> NDArray[np.int32]: ...
+def reconstruct_paper(
+    kind: str,
+    matrix: NDArray[np.float64],
+    dim: int,
+    num_neighbors: int,
+    estimator: str,
+    edges: str,
+    search: str,
+    checks: int,
+    num_threads: int,
+    progress: _Progress,
+) -> dict[str, Any]: ...
+def topology(
+    simplices: NDArray[np.int32],
+    num_vertices: int,
+    num_threads: int,
+    progress: _Progress,
+) -> dict[str, Any]: ...
+def component_labels(
+    simplices: NDArray[np.int32], num_vertices: int
+) -> NDArray[np.int32]: ...
+def paper_report(
+    simplices: NDArray[np.int32],
+    star_offsets: NDArray[np.int64],
+    star_simplices: NDArray[np.int32],
+    boundary: NDArray[np.bool_],
+    num_threads: int,
+    progress: _Progress,
+) -> dict[str, Any]: ...

@@ -1,0 +1,257 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Checks of what callers pass in. Arrays leave here in the layout of the core."""
+
+from __future__ import annotations
+
+import operator
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+Kind = Literal["points", "gram", "distances"]
+
+
+class Input(NamedTuple):
+    """Samples in the layout of the core."""
+
+    kind: Kind
+    matrix: NDArray[np.float64]
+
+
+def check_samples(
+    points: ArrayLike | None,
+    gram: ArrayLike | None = None,
+    distances: ArrayLike | None = None,
+) -> Input:
+    """Accept exactly one description of the samples."""
+    given = {
+        name: value
+        for name, value in (
+            ("points", points),
+            ("gram", gram),
+            ("distances", distances),
+        )
+        if value is not None
+    }
+    if len(given) != 1:
+        got = " and ".join(given) if given else "none"
+        msg = f"give exactly one of points, gram and distances, got {got}"
+        raise TypeError(msg)
+    if points is not None:
+        return Input("points", check_points(points))
+    if gram is not None:
+        return Input("gram", check_gram(gram))
+    return Input("distances", _real_matrix(distances, "distances", square=True))
+
+
+def check_points(points: ArrayLike, name: str = "points") -> NDArray[np.float64]:
+    """(N, D) real, or complex read as (N, 2 D) real."""
+    return _real_matrix(points, name)
+
+
+def check_gram(gram: ArrayLike) -> NDArray[np.float64]:
+    """Positive semidefinite up to rounding of single precision."""
+    matrix = _real_matrix(gram, "gram", square=True)
+    diagonal = np.diagonal(matrix)
+    if len(diagonal) == 0:
+        return matrix
+    tolerance = 1e-6 * np.sqrt(len(matrix)) * max(float(diagonal.max()), 0.0)
+    shifted = matrix + 0.0
+    shifted[np.diag_indices_from(shifted)] += tolerance + np.finfo(float).tiny
+    # A Cholesky decomposition exists exactly where all eigenvalues are positive; it
+    # reads one triangle, symmetry is the core's to check.
+    try:
+        np.linalg.cholesky(shifted)
+    except np.linalg.LinAlgError:
+        worst = int(np.argmin(diagonal))
+        detail = (
+            f"gram[{worst}, {worst}] is {diagonal[worst]:.6g}"
+            if diagonal[worst] < 0
+            else f"its smallest eigenvalue is {np.linalg.eigvalsh(matrix)[0]:.6g}"
+        )
+        msg = (
+            f"gram is not positive semidefinite: {detail}. A Gram matrix holds the "
+            "inner products of the samples; pass a distance matrix as distances="
+        )
+        raise ValueError(msg) from None
+    return matrix
+
+
+def check_dim(dim: Any, samples: Input) -> int:
+    """1 <= K <= D, and enough samples for one simplex."""
+    value = check_int(dim, "dim", minimum=1)
+    num_samples, num_columns = samples.matrix.shape
+    if samples.kind == "points" and value > num_columns:
+        msg = (
+            f"dim is {value}, more than the {num_columns} coordinates of the points: "
+            "a manifold has at most the dimension of the space it lies in"
+        )
+        raise ValueError(msg)
+    if num_samples < value + 1:
+        msg = (
+            f"{samples.kind} has {num_samples} sample"
+            f"{'' if num_samples == 1 else 's'}; a {value}-dimensional complex needs "
+            f"at least dim + 1 = {value + 1}"
+        )
+        raise ValueError(msg)
+    return value
+
+
+def check_num_neighbors(num_neighbors: Any, dim: int) -> int:
+    """At least K + 1; 10 K by default."""
+    if num_neighbors is None:
+        return 10 * dim
+    return check_int(
+        num_neighbors, "num_neighbors", minimum=dim + 1, hint=f" (dim + 1 = {dim + 1})"
+    )
+
+
+def check_int(value: Any, name: str, minimum: int, hint: str = "") -> int:
+    """An integer, and nothing that merely looks like one."""
+    if isinstance(value, (bool, np.bool_)):
+        msg = f"{name} must be an integer, got {value!r}"
+        raise TypeError(msg)
+    try:
+        number = operator.index(value)
+    except TypeError:
+        msg = f"{name} must be an integer, got {value!r} of type {type(value).__name__}"
+        raise TypeError(msg) from None
+    if number < minimum:
+        msg = f"{name} is {number}, expected at least {minimum}{hint}"
+        raise ValueError(msg)
+    if number > np.iinfo(np.int32).max:
+        msg = f"{name} is {number}, expected at most {np.iinfo(np.int32).max}"
+        raise ValueError(msg)
+    return number
+
+
+def check_num_threads(num_threads: Any) -> int:
+    """0 stands for all cores."""
+    if num_threads is None:
+        return 0
+    return check_int(num_threads, "num_threads", minimum=1)
+
+
+def check_choice(value: Any, name: str, choices: tuple[str, ...]) -> str:
+    """One of the words."""
+    if not isinstance(value, str) or value not in choices:
+        msg = f"{name} is {value!r}, expected one of {', '.join(map(repr, choices))}"
+        raise ValueError(msg)
+    return value
+
+
+def check_index_array(
+    values: ArrayLike, name: str, dtype: type[np.signedinteger[Any]]
+) -> NDArray[Any]:
+    """One-dimensional integers that fit the dtype."""
+    array = np.asarray(values)
+    if array.size == 0:
+        array = array.astype(dtype)
+    if array.ndim != 1 or not np.issubdtype(array.dtype, np.integer):
+        msg = (
+            f"{name} must be a one-dimensional integer array, got shape "
+            f"{array.shape} and dtype {array.dtype}"
+        )
+        raise ValueError(msg)
+    if array.size and (
+        array.max() > np.iinfo(dtype).max or array.min() < np.iinfo(dtype).min
+    ):
+        msg = f"{name} has values that do not fit {np.dtype(dtype)}"
+        raise OverflowError(msg)
+    return np.ascontiguousarray(array, dtype=dtype)
+
+
+def check_bases(
+    bases: ArrayLike, boundary: ArrayLike | None, points: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """(N, K, D) orthonormal rows; rows of NaN, or marked as boundary, have no basis."""
+    array = np.ascontiguousarray(_as_float(bases, "bases"))
+    num_samples, ambient_dim = points.shape
+    if (
+        array.ndim != 3
+        or array.shape[0] != num_samples
+        or array.shape[2] != ambient_dim
+        or not 1 <= array.shape[1] <= ambient_dim
+    ):
+        msg = (
+            f"bases has shape {array.shape}, expected ({num_samples}, K, "
+            f"{ambient_dim}) with 1 <= K <= {ambient_dim}"
+        )
+        raise ValueError(msg)
+    missing = np.isnan(array).any(axis=(1, 2))
+    if boundary is not None:
+        marked = np.asarray(boundary)
+        if marked.shape != (num_samples,) or marked.dtype != np.bool_:
+            msg = (
+                f"boundary must be a bool array of shape ({num_samples},), got shape "
+                f"{marked.shape} and dtype {marked.dtype}"
+            )
+            raise ValueError(msg)
+        missing = missing | marked
+    kept = array[~missing]
+    defect = np.abs(kept @ kept.transpose(0, 2, 1) - np.eye(array.shape[1]))
+    bad = ~(defect.max(axis=(1, 2), initial=0.0) < 1e-6)
+    if bad.any():
+        index = int(np.flatnonzero(~missing)[np.argmax(bad)])
+        msg = f"bases[{index}] does not have orthonormal rows"
+        raise ValueError(msg)
+    return array, np.ascontiguousarray(missing)
+
+
+def _as_float(values: Any, name: str) -> NDArray[np.float64]:
+    try:
+        array = np.asarray(values)
+    except ValueError as error:  # ragged nested lists
+        msg = f"{name} is not a rectangular array: {error}"
+        raise ValueError(msg) from None
+    if array.dtype == object:
+        try:
+            array = array.astype(np.float64)
+        except (TypeError, ValueError):
+            msg = f"{name} must hold numbers, got {type(values).__name__} of objects"
+            raise TypeError(msg) from None
+    if array.dtype.kind == "c":
+        return array.astype(np.complex128, copy=False).view(np.float64)
+    if array.dtype.kind not in "biuf":
+        msg = f"{name} must hold numbers, got dtype {array.dtype}"
+        raise TypeError(msg)
+    return array.astype(np.float64, copy=False)
+
+
+def _real_matrix(
+    values: ArrayLike | None, name: str, *, square: bool = False
+) -> NDArray[np.float64]:
+    raw = np.asarray(values) if not isinstance(values, np.ndarray) else values
+    if raw.ndim == 2 and raw.dtype.kind == "c":
+        # The real part of the Hermitian product is the product of R^(2 D).
+        raw = np.ascontiguousarray(raw)
+        if square:
+            return np.ascontiguousarray(raw.real, dtype=np.float64)
+    array = _as_float(raw, name)
+    if array.ndim != 2:
+        msg = (
+            f"{name} must be a two-dimensional array, one sample a row; got shape "
+            f"{array.shape}"
+        )
+        raise ValueError(msg)
+    if square and array.shape[0] != array.shape[1]:
+        msg = f"{name} must be square, got shape {array.shape}"
+        raise ValueError(msg)
+    if array.shape[0] == 0:
+        msg = f"{name} is empty: no samples"
+        raise ValueError(msg)
+    if array.shape[1] == 0:
+        msg = f"{name} has no coordinates: its shape is {array.shape}"
+        raise ValueError(msg)
+    finite = np.isfinite(array)
+    if not finite.all():
+        row, column = (int(i) for i in np.argwhere(~finite)[0])
+        msg = (
+            f"{name}[{row}, {column}] is {array[row, column]}; remove or repair such "
+            "samples first"
+        )
+        raise ValueError(msg)
+    return np.ascontiguousarray(array)

@@ -1,0 +1,307 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command line: ``remanifold reconstruct INPUT --dim K -o OUT``.
+
+The result goes to a file, the report to standard output, everything else to standard
+error. Exit codes: 0 done, 1 the run or a file failed, 2 wrong usage, 130 interrupted.
+"""
+
+from __future__ import annotations
+
+import json
+import time
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+import remanifold as rm
+from remanifold._validation import check_num_neighbors
+from remanifold.io import check_output, read_points, write_mesh
+from remanifold.reconstruction import METHODS
+from remanifold.steps import EDGE_RULES, ESTIMATORS, SEARCHES
+
+__all__ = ["app", "main"]
+
+app = typer.Typer(
+    name="remanifold",
+    help="Reconstruct manifolds from their samples.",
+    add_completion=False,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+def main() -> None:
+    """Run the command line."""
+    app(prog_name="remanifold")
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"remanifold {rm.__version__}")
+        raise typer.Exit
+
+
+def _choice(words: tuple[str, ...], text: str) -> Any:
+    def check(word: str) -> str:
+        if word not in words:
+            msg = f"{word!r} is not one of {', '.join(map(repr, words))}."
+            raise typer.BadParameter(msg)
+        return word
+
+    return typer.Option(metavar=f"[{'|'.join(words)}]", help=text, callback=check)
+
+
+@app.callback()
+def _root(
+    _: Annotated[
+        bool,
+        typer.Option(
+            "--version", callback=_version, is_eager=True, help="Show the version."
+        ),
+    ] = False,
+) -> None:
+    pass
+
+
+@app.command()
+def reconstruct(
+    source: Annotated[
+        Path,
+        typer.Argument(
+            metavar="INPUT",
+            help="Samples: .npy, .npz, .csv, .txt, .xyz, .ply, .obj, .off, .stl, .vtk "
+            "or .vtu.",
+        ),
+    ],
+    dim: Annotated[
+        int,
+        typer.Option("--dim", "-k", min=1, help="Dimension K of the manifold."),
+    ],
+    output: Annotated[
+        Path,
+        typer.Option(
+            "--output",
+            "-o",
+            help="Mesh to write: .ply, .obj, .off, .stl, .vtk, .vtu, or .npz for any "
+            "dimension.",
+        ),
+    ],
+    method: Annotated[str, _choice(METHODS, "Method.")] = "paper",
+    num_neighbors: Annotated[
+        int | None,
+        typer.Option(
+            show_default="10 K", help="Neighbors per sample for the tangent spaces."
+        ),
+    ] = None,
+    estimator: Annotated[
+        str, _choice(ESTIMATORS, "Estimator of the tangent spaces.")
+    ] = "enclosure",
+    edges: Annotated[
+        str, _choice(EDGE_RULES, "Keep edges seen from both ends, or from either.")
+    ] = "mutual",
+    search: Annotated[
+        str, _choice(SEARCHES, "Search for the nearest neighbors.")
+    ] = "auto",
+    threads: Annotated[
+        int | None, typer.Option(min=1, show_default="all cores", help="Threads.")
+    ] = None,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Report as a JSON object.")
+    ] = False,
+    quiet: Annotated[
+        bool, typer.Option("--quiet", "-q", help="No progress, table or warnings.")
+    ] = False,
+) -> None:
+    """Reconstruct a manifold from samples and write it as a mesh."""
+    messages = Console(stderr=True, soft_wrap=True, highlight=False)
+    _check_usage(source, output, dim, num_neighbors)
+    try:
+        points, seconds_read = _timed(lambda: read_points(source))
+        _check_usage(source, output, dim, num_neighbors, points.shape[1])
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always", rm.RemanifoldWarning)
+            rec = rm.reconstruct(
+                points,
+                dim,
+                method=method,
+                num_neighbors=num_neighbors,
+                estimator=estimator,
+                edges=edges,
+                search=search,
+                num_threads=threads,
+                progress=messages.is_terminal and not quiet,
+            )
+        report = _report(rec)
+        _, seconds_written = _timed(lambda: write_mesh(output, points, rec.simplices))
+    except KeyboardInterrupt:
+        _say(messages, "interrupted", "red")
+        raise typer.Exit(130) from None
+    except typer.BadParameter:
+        raise
+    except Exception as error:  # noqa: BLE001  one line for the user, whatever it is
+        _say(messages, f"error: {_describe(error)}", "red")
+        raise typer.Exit(1) from None
+
+    seconds = {"read": seconds_read, **report["seconds"], "write": seconds_written}
+    complaints = [str(warning.message) for warning in caught] + _complaints(report)
+    report = {
+        "input": str(source),
+        "output": str(output),
+        **report,
+        "seconds": seconds,
+        "warnings": complaints,
+    }
+    if not quiet:
+        for text in complaints:
+            _say(messages, f"warning: {text}", "yellow")
+    if as_json:
+        typer.echo(json.dumps(report, indent=2))
+    elif not quiet:
+        Console(highlight=False).print(_table(report))
+
+
+def _check_usage(
+    source: Path,
+    output: Path,
+    dim: int,
+    num_neighbors: int | None,
+    ambient_dim: int | None = None,
+) -> None:
+    """Refuse what cannot work, before the work."""
+    try:
+        check_num_neighbors(num_neighbors, dim)
+    except ValueError as error:
+        raise typer.BadParameter(str(error), param_hint="'--num-neighbors'") from None
+    try:
+        check_output(output, dim, ambient_dim)
+    except (ValueError, OSError) as error:
+        raise typer.BadParameter(str(error), param_hint="'--output'") from None
+    if source.exists() and output.exists() and source.samefile(output):
+        msg = f"{output}: is the input, which would be lost"
+        raise typer.BadParameter(msg, param_hint="'--output'")
+
+
+def _timed(work: Callable[[], Any]) -> tuple[Any, float]:
+    start = time.perf_counter()
+    result = work()
+    return result, time.perf_counter() - start
+
+
+def _report(rec: rm.Reconstruction) -> dict[str, Any]:
+    topology, seconds_topology = _timed(rec.topology)
+    repair, seconds_repair = _timed(lambda: rec.repair)
+    return {
+        "method": rec.method,
+        "estimator": rec.estimator,
+        "edges": rec.rule,
+        "search": rec.search,
+        "num_neighbors": rec.num_neighbors,
+        "num_samples": rec.num_samples,
+        "ambient_dim": rec.ambient_dim,
+        "dim": rec.dim,
+        "num_simplices": list(topology.num_simplices),
+        "euler_characteristic": topology.euler_characteristic,
+        "components": topology.components,
+        "betti_numbers": list(topology.betti_numbers),
+        "manifold": topology.manifold,
+        "closed": topology.closed,
+        "orientable": topology.orientable,
+        "boundary_samples": int(rec.boundary.sum()),
+        "merged_samples": repair.merged_samples,
+        "unused_samples": len(repair.unused_vertices),
+        "coface_counts": {str(n): f for n, f in topology.coface_counts.items()},
+        "callous_faces": len(repair.callous_faces),
+        "unstarred_simplices": len(repair.unstarred_simplices),
+        "holes": repair.num_holes,
+        "singular_vertices": len(topology.singular_vertices),
+        "seconds": {**rec.timings, "report": seconds_topology + seconds_repair},
+    }
+
+
+def _complaints(report: dict[str, Any]) -> list[str]:
+    """Say what the result lacks."""
+    simplices, faces = _names(report["dim"])[:-3:-1]
+    found = [
+        (
+            report["unused_samples"],
+            "{} samples are in no simplex "
+            f"({report['boundary_samples']:,} have no tangent space)",
+        ),
+        (report["callous_faces"], f"{{}} {faces} are in more than two {simplices}"),
+        (
+            report["unstarred_simplices"],
+            f"{{}} {simplices} are in the star of none of their vertices",
+        ),
+        (report["holes"], "{} holes"),
+        (
+            report["singular_vertices"],
+            "no manifold: around {} vertices it is neither a ball nor half of one",
+        ),
+    ]
+    return [text.format(f"{count:,}") for count, text in found if count]
+
+
+def _table(report: dict[str, Any]) -> Table:
+    names = _names(report["dim"])
+    yes_no = {True: "yes", False: "no"}
+    rows = {
+        "samples": f"{report['num_samples']:,} in R^{report['ambient_dim']}",
+        "dimension": str(report["dim"]),
+        "simplices": ", ".join(
+            f"{count:,} {name}"
+            for count, name in zip(report["num_simplices"], names, strict=True)
+        ),
+        "Euler characteristic": f"{report['euler_characteristic']:,}",
+        "components": f"{report['components']:,}",
+        "Betti numbers": ", ".join(f"{b:,}" for b in report["betti_numbers"]),
+        "manifold": yes_no[report["manifold"]],
+        "closed": yes_no[report["closed"]],
+        "orientable": yes_no[report["orientable"]],
+        "boundary samples": f"{report['boundary_samples']:,}",
+        "unused samples": f"{report['unused_samples']:,}",
+        f"{names[-2]} by {names[-1]}": ", ".join(
+            f"{faces:,} in {n}" for n, faces in report["coface_counts"].items()
+        ),
+        f"callous {names[-2]}": f"{report['callous_faces']:,}",
+        f"{names[-1]} in no star": f"{report['unstarred_simplices']:,}",
+        "holes": f"{report['holes']:,}",
+        "seconds": ", ".join(
+            f"{step.replace('_', ' ')} {seconds:.2f}"
+            for step, seconds in report["seconds"].items()
+        ),
+        "written": report["output"],
+    }
+    table = Table(show_header=False, box=None, pad_edge=False)
+    table.add_column(style="bold", no_wrap=True)
+    table.add_column(overflow="fold")
+    for name, value in rows.items():
+        table.add_row(name, Text(value))
+    return table
+
+
+def _names(dim: int) -> list[str]:
+    """What simplices of dimension 0 to ``dim`` are called."""
+    names = ["vertices", "edges", "triangles", "tetrahedra"]
+    return (names + [f"{k}-simplices" for k in range(4, dim + 1)])[: dim + 1]
+
+
+def _describe(error: Exception) -> str:
+    if isinstance(error, OSError) and error.strerror:
+        where = f"{error.filename}: " if error.filename else ""
+        return f"{where}{error.strerror}"
+    if isinstance(error, ValueError | TypeError | OSError) and str(error):
+        return str(error)
+    if isinstance(error, MemoryError):
+        return f"out of memory: {error}" if str(error) else "out of memory"
+    return f"{type(error).__name__}: {error}"
+
+
+def _say(console: Console, text: str, style: str) -> None:
+    console.print(Text(f"remanifold: {' '.join(text.splitlines())}", style=style))

@@ -1,0 +1,1228 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Sampled manifolds with known topology.
+
+Every generator takes the number of samples first, everything else by keyword, and
+returns a float64 array of shape ``(num_samples, D)``. Samples are drawn uniformly
+in arc length, area or volume unless the generator says otherwise. ``random_state``
+follows the convention of :mod:`sklearn.datasets`: an int for a reproducible sample, a
+generator to draw from, None for fresh randomness.
+
+:data:`SHAPES` lists every generator with the topology of its manifold, and
+:data:`FIGURES` the examples of figures 3 to 9 of Freedman, *Efficient Simplicial
+Reconstructions of Manifolds from Their Samples*, IEEE TPAMI 24(10), 2002.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = [
+    "FIGURES",
+    "SHAPES",
+    "RandomState",
+    "Shape",
+    "add_noise",
+    "annulus",
+    "ball",
+    "circle",
+    "closed_curve",
+    "ellipse",
+    "embed",
+    "flat_torus",
+    "fruit_bowl",
+    "grid_torus",
+    "interlocking_circles",
+    "interlocking_tori",
+    "klein_bottle",
+    "moebius_band",
+    "planar_curve",
+    "planar_curves",
+    "projective_plane",
+    "rotations",
+    "sphere",
+    "sphere_times_circle",
+    "spherical_cap",
+    "spiral",
+    "spread",
+    "swiss_roll",
+    "torus",
+    "trefoil",
+]
+
+FloatArray: TypeAlias = NDArray[np.float64]
+RandomState: TypeAlias = int | np.random.Generator | np.random.RandomState | None
+
+
+# --------------------------------------------------------------------- curves
+
+
+def circle(
+    num_samples: int, *, radius: float = 1.0, random_state: RandomState = None
+) -> FloatArray:
+    """Sample a circle in the plane.
+
+    Parameters
+    ----------
+    num_samples : int
+        Number of samples.
+    radius : float
+        Radius of the circle.
+    random_state : int, Generator, RandomState or None
+        Source of randomness.
+
+    Returns
+    -------
+    ndarray of shape (num_samples, 2)
+        Samples, uniform in arc length.
+    """
+    rng, count = _generator(random_state), _count(num_samples)
+    return _positive(radius, "radius") * _unit_circle(_angles(count, rng))
+
+
+def ellipse(
+    num_samples: int,
+    *,
+    semi_axes: tuple[float, float] = (2.0, 1.0),
+    random_state: RandomState = None,
+) -> FloatArray:
+    """Sample an ellipse in the plane.
+
+    Parameters
+    ----------
+    num_samples : int
+        Number of samples.
+    semi_axes : tuple of two floats
+        Half the lengths of the axes along x and y.
+    random_state : int, Generator, RandomState or None
+        Source of randomness.
+
+    Returns
+    -------
+    ndarray of shape (num_samples, 2)
+        Samples, uniform in arc length.
+    """
+    a = _positive(semi_axes[0], "semi_axes")
+    b = _positive(semi_axes[1], "semi_axes")
+    return _curve(
+        lambda t: np.column_stack([a * np.cos(t), b * np.sin(t)]),
+        (0.0, 2 * np.pi),
+        num_samples,
+        random_state,
+    )
+
+
+def planar_curve(
+    num_samples: int,
+    *,
+    lobes: int = 5,
+    depth: float = 0.25,
+    random_state: RandomState = None,
+) -> FloatArray:
+    """Sample a closed curve with lobes in the plane (figure 3).
+
+    Parameters
+    ----------
+    num_samples : int
+        Number of samples.
+    lobes : int
+        Number of lobes of the curve r = 1 + depth cos(lobes phi).
+    depth : float
+        Depth of the lobes, at least 0 and below 1.
+    random_state : int, Generator, RandomState or None
+        Source of randomness.
+
+    Returns
+    -------
+    ndarray of shape (num_samples, 2)
+        Samples, uniform in arc length.
+    """
+    if not 0 <= depth < 1:
+        msg = f"depth must be at least 0 and below 1, got {depth}"
+        raise ValueError(msg)
+
+    def curve(t: FloatArray) -> FloatArray:
+        return (1 + depth * np.cos(lobes * t))[:, None] * _unit_circle(t)
+
+    return _curve(curve, (0.0, 2 * np.pi), num_samples, random_state)
+
+
+def planar_curves(num_samples: int, *, random_state: RandomState = None) -> FloatArray:
+    """Sample two disjoint closed curves in the plane, side by side (figure 4).
+
+    Parameters
+    ----------
+    num_samples : int
+        Number of samples, shared in proportion to length.
+    random_state : int, Generator, RandomState or None
+        Source of randomness.
+
+    Returns
+    -------
+    ndarray of shape (num_samples, 2)
+        Samples, uniform in arc length; first a curve with three lobes, then an
+        ellipse.
+    """
+    rng = _generator(random_state)
+    counts = _shares(num_samples, [7.3, 5.7])
+    first = planar_curve(counts[0], lobes=3, depth=0.3, random_state=rng)
+    second = ellipse(counts[1], semi_axes=(0.6, 1.15), random_state=rng)
+    return np.vstack([first, _moved(second, 2.2, 0.0)])
+
+
+def spiral(
+    num_samples: int,
+    *,
+    turns: float = 2.5,
+    pitch: float = 1.0,
+    random_state: RandomState = None,
+) -> FloatArray:
+    """Sample an Archimedean spiral in the plane, a curve with two ends (figure 5).
+
+    Parameters
+    ----------
+    num_samples : int
+        Number of samples.
+    turns : float
+        Number of turns.
+    pitch : float
+        Distance between consecutive turns; the inner end is half of it away from
+        the center.
+    random_state : int, Generator, RandomState or None
+        Source of randomness.
+
+    Returns
+    -------
+    ndarray of shape (num_samples, 2)
+        Samples, uniform in arc length.
+    """
+    _positive(turns, "turns")
+    _positive(pitch, "pitch")
+
+    def curve(t: FloatArray) -> FloatArray:
+        return (pitch * (0.5 + t / (2 * np.pi)))[:, None] * _unit_circle(t)
+
+    return _curve(curve, (0.0, 2 * np.pi * turns), num_samples, random_state)
+
+
+def trefoil(
+    num_samples: int, *, scale: float = 1.0, random_state: RandomState = None
+) -> FloatArray:
+    """Sample a trefoil knot in space.
+
+    Parameters
+    ----------
+    num_samples : int
+        Number of samples.
+    scale : float
+        Factor on all coordinates; 1 gives a knot of radius 3.
+    random_state : int, Generator, RandomState or None
+        Source of randomness.
+
+    Returns
+    -------
+    ndarray of shape (num_samples, 3)
+        Samples, uniform in arc length.
+
+    Notes
+    -----
+    (sin t + 2 sin 2t, cos t - 2 cos 2t, -sin 3t), the usual parametrization.
+    """
+    _positive(scale, "scale")
+
+    def curve(t: FloatArray) -> FloatArray:
+        x = np.sin(t) + 2 * np.sin(2 * t)
+        y = np.cos(t) - 2 * np.cos(2 * t)
+        return scale * np.column_stack([x, y, -np.sin(3 * t)])
+
+    return _curve(curve, (0.0, 2 * np.pi), num_samples, random_state)
+
+
+def closed_curve(
+    num_samples: int, *, ambient_dim: int = 10, random_state: RandomState = None
+) -> FloatArray:
+    """Sample a closed curve that spans R^D.
+
+    Parameters
+    ----------
+    num_samples : int
+        Number of samples.
+    ambient_dim : int
+        Dimension D of the space, at least 2.
+    random_state : int, Generator, RandomState or None
+        Source of randomness. It places the samples only; the curve is the same.
+
+    Returns
+    -------
+    ndarray of shape (num_samples, ambient_dim)
+        Samples, uniform in arc length.
+
+    Notes
+    -----
+    The trigonometric moment curve (cos t, sin t, cos 2t / 4, sin 2t / 4, ...) with
+    frequency k scaled by 1 / k^2. Its first two coordinates are a circle, so it
+    never meets itself.
+    """
+    dim = _at_least(ambient_dim, 2, "ambient_dim")
+    frequencies = np.arange(dim) // 2 + 1
+    shifts = np.where(np.arange(dim) % 2 == 0, 0.0, -np.pi / 2)
+
+    def curve(t: FloatArray) -> FloatArray:
+        return np.asarray(
+            np.cos(t[:, None] * frequencies + shifts) / frequencies**2,
+            dtype=np.float64,
+        )
+
+    return _curve(curve, (0.0, 2 * np.pi), num_samples, random_state)
+
+
+def interlocking_circles(
+    num_samples: int, *, radius: float = 1.0, random_state: RandomState = None
+) -> FloatArray:
+    """Sample two interlocking circles in space, a Hopf link (figure 6).
+
+    Parameters
+    ----------
+    num_samples : int
+        Number of samples, half of them on each circle.
+    radius : float
+        Radius of both circles; each passes through the center of the other.
+    random_state : int, Generator, RandomState or None
+        Source of randomness.
+
+    Returns
+    -------
+    ndarray of shape (num_samples, 3)
+        Samples, uniform in arc length, one circle after the other.
+    """
+    rng = _generator(random_state)
+    counts = _shares(num_samples, [1.0, 1.0])
+    first = circle(counts[0], radius=radius, random_state=rng)
+    second = circle(counts[1], radius=radius, random_state=rng)
+    return np.vstack(
+        [
+            np.column_stack([first, np.zeros(len(first))]),
+            np.column_stack(
+                [second[:, 0] + radius, np.zeros(len(second)), second[:, 1]]
+            ),
+        ]
+    )
+
+
+# ------------------------------------------------------------ closed surfaces
+
+
+def sphere(
+    num_samples: int,
+    *,
+    dim: int = 2,
+    radius: float = 1.0,
+    random_state: RandomState = None,
+) -> FloatArray:
+    """Sample the sphere of dimension ``dim``.
+
+    Parameters
+    ----------
+    num_samples : int
+        Number of samples.
+    dim : int
+        Dimension of the sphere, at least 1.
+    radius : float
+        Radius of the sphere.
+    random_state : int, Generator, RandomState or None
+        Source of randomness.
+
+    Returns
+    -------
+    ndarray of shape (num_samples, dim + 1)
+        Samples, uniform in area.
+    """
+    rng, count = _generator(random_state), _count(num_samples)
+    dim = _at_least(dim, 1, "dim")
+    return _positive(radius, "radius") * _directions(count, dim + 1, rng)
+
+
+def torus(
+    num_samples: int,
+    *,
+    major_radius: float = 1.0,
+    minor_radius: float = 0.4,
+    random_state: RandomState = None,
+) -> FloatArray:
+    """Sample a torus of revolution in space.
+
+    Parameters
+    ----------
+    num_samples : int
+        Number of samples.
+    major_radius : float
+        Distance from the axis to the center of the tube.
+    minor_radius : float
+        Radius of the tube, below ``major_radius``.
+    random_state : int, Generator, RandomState or None
+        Source of randomness.
+
+    Returns
+    -------
+    ndarray of shape (num_samples, 3)
+        Samples, uniform in area.
+
+    References
+    ----------
+    Diaconis, Holmes, Shahshahani, *Sampling from a Manifold*, 2013: the rejection
+    that makes the samples uniform in area.
+    """
+    rng, count = _generator(random_state), _count(num_samples)
+    _check_radii(major_radius, minor_radius)
+
+    def draw(n: int) -> tuple[FloatArray, FloatArray]:
+        v = _angles(n, rng)
+        return v[:, None], major_radius + minor_radius * np.cos(v)
+
+    v = _reject(draw, count, rng, major_radius + minor_radius)[:, 0]
+    return _torus_points(_angles(count, rng), v, major_radius, minor_radius)
+
+
+def grid_torus(
+    num_samples: int = 960,
+    *,
+    num_around: int = 48,
+    major_radius: float = 1.0,
+    minor_radius: float = 0.4,
+    jitter: float = 0.0,
+    random_state: RandomState = None,
+) -> FloatArray:
+    """Sample a torus of revolution on a regular grid of angles (figure 9).
+
+    The four corners of every cell of the grid lie on a circle. Delaunay methods
+    cannot decide which diagonal of such a cyclic quadrilateral to take: with a
+    little jitter the paper's method takes both here and none there.
+
+    Parameters
+    ----------
+    num_samples : int
+        Number of samples, a multiple of ``num_around``.
+    num_around : int
+        Number of grid lines around the axis, at least 3.
+    major_radius : float
+        Distance from the axis to the center of the tube.
+    minor_radius : float
+        Radius of the tube, below ``major_radius``.
+    jitter : float
+        Standard deviation of a normal displacement of both angles, in units of the
+        grid's spacing. The samples stay on the torus.
+    random_state : int, Generator, RandomState or None
+        Source of randomness.
+
+    Returns
+    -------
+    ndarray of shape (num_samples, 3)
+        Samples, not uniform in area.
+    """
+    rng, count = _generator(random_state), _count(num_samples)
+    _check_radii(major_radius, minor_radius)
+    rows = _at_least(num_around, 3, "num_around")
+    if count % rows:
+        msg = f"num_samples must be a multiple of num_around = {rows}, got {count}"
+        raise ValueError(msg)
+    i, j = np.divmod(np.arange(count), count // rows)
+    displacement = jitter * rng.standard_normal((2, count))
+    return _torus_points(
+        2 * np.pi * (i + displacement[0]) / rows,
+        2 * np.pi * (j + displacement[1]) / (count // rows),
+        major_radius,
+        minor_radius,
+    )
+
+
+def klein_bottle(
+    num_samples: int,
+    *,
+    major_radius: float = 1.0,
+    minor_radius: float = 0.4,
+    random_state: RandomState = None,
+) -> FloatArray:
+    """Sample a Klein bottle in R^4.
+
+    Parameters
+    ----------
+    num_samples : int
+        Number of samples.
+    major_radius : float
+        Radius of the circle that the tube follows.
+    minor_radius : float
+        Radius of the tube, below ``major_radius``.
+    random_state : int, Generator, RandomState or None
+        Source of randomness.
+
+    Returns
+    -------
+    ndarray of shape (num_samples, 4)
+        Samples, uniform in area.
+
+    Notes
+    -----
+    ((R + r cos v) cos u, (R + r cos v) sin u, r sin v cos(u/2), r sin v sin(u/2)): a
+    torus whose tube turns over by half a turn in the last two coordinates. The area
+    element is r sqrt((R + r cos v)^2 + (r sin v)^2 / 4).
+    """
+    rng, count = _generator(random_state), _count(num_samples)
+    _check_radii(major_radius, minor_radius)
+
+    def draw(n: int) -> tuple[FloatArray, FloatArray]:
+        v = _angles(n, rng)
+        around = major_radius + minor_radius * np.cos(v)
+        return v[:, None], np.hypot(around, minor_radius * np.sin(v) / 2)
+
+    v = _reject(draw, count, rng, major_radius + minor_radius)[:, 0]
+    u = _angles(count, rng)
+    around = major_radius + minor_radius * np.cos(v)
+    across = minor_radius * np.sin(v)
+    return np.hstack(
+        [
+            around[:, None] * _unit_circle(u),
+            across[:, None] * _unit_circle(u / 2),
+        ]
+    )
+
+
+def projective_plane(
+    num_samples: int, *, random_state: RandomState = None
+) -> FloatArray:
+    """Sample the real projective plane as the Veronese surface in R^5.
+
+    Parameters
+    ----------
+    num_samples : int
+        Number of samples.
+    random_state : int, Generator, RandomState or None
+        Source of randomness.
+
+    Returns
+    -------
+    ndarray of shape (num_samples, 5)
+        Samples on the unit sphere of R^5, uniform in area.
+
+    Notes
+    -----
+    (sqrt(3) xy, sqrt(3) xz, sqrt(3) yz, sqrt(3) (x^2 - y^2) / 2, z^2 - (x^2 + y^2) / 2)
+    of (x, y, z) on the unit sphere: antipodes have one image, and rotations of the
+    sphere become rotations of R^5.
+    """
+    rng, count = _generator(random_state), _count(num_samples)
+    x, y, z = _directions(count, 3, rng).T
+    return np.column_stack(
+        [
+            np.sqrt(3) * x * y,
+            np.sqrt(3) * x * z,
+            np.sqrt(3) * y * z,
+            np.sqrt(3) * (x**2 - y**2) / 2,
+            z**2 - (x**2 + y**2) / 2,
+        ]
+    )
+
+
+def interlocking_tori(
+    num_samples: int,
+    *,
+    major_radius: float = 1.0,
+    minor_radius: float = 0.3,
+    random_state: RandomState = None,
+) -> FloatArray:
+    """Sample two interlocking tori in space (figure 8).
+
+    Parameters
+    ----------
+    num_samples : int
+        Number of samples, half of them on each torus.
+    major_radius : float
+        Distance from each torus's axis to the center of its tube.
+    minor_radius : float
+        Radius of both tubes, below half of ``major_radius``, or the tori meet.
+    random_state : int, Generator, RandomState or None
+        Source of randomness.
+
+    Returns
+    -------
+    ndarray of shape (num_samples, 3)
+        Samples, uniform in area, one torus after the other.
+    """
+    if not minor_radius < major_radius / 2:
+        msg = (
+            "minor_radius must be below half of major_radius, got "
+            f"{minor_radius} and {major_radius}"
+        )
+        raise ValueError(msg)
+    rng = _generator(random_state)
+    counts = _shares(num_samples, [1.0, 1.0])
+    first, second = (
+        torus(n, major_radius=major_radius, minor_radius=minor_radius, random_state=rng)
+        for n in counts
+    )
+    return np.vstack([first, _moved(second[:, [0, 2, 1]], major_radius, 0.0, 0.0)])
+
+
+def fruit_bowl(num_samples: int, *, random_state: RandomState = None) -> FloatArray:
+    """Sample a bowl with an orange, a pear and a banana in it (figure 7).
+
+    Parameters
+    ----------
+    num_samples : int
+        Number of samples, shared in proportion to area.
+    random_state : int, Generator, RandomState or None
+        Source of randomness.
+
+    Returns
+    -------
+    ndarray of shape (num_samples, 3)
+        Samples on four disjoint closed surfaces of genus 0, uniform in area, one
+        surface after the other.
+    """
+    rng = _generator(random_state)
+    around = (0.0, 2 * np.pi)
+    patches = [_Patch(_bowl, around, (0.0, 3.0))]
+    patches += [_Patch(s, around, (0.0, np.pi)) for s in (_orange, _pear, _banana)]
+    counts = _shares(num_samples, [patch.area for patch in patches])
+    return np.vstack([p.sample(n, rng) for p, n in zip(patches, counts, strict=True)])
+
+
+# ------------------------------------------------- manifolds of any dimension
+
+
+def flat_torus(
+    num_samples: int,
+    *,
+    dim: int = 2,
+    radii: float | Sequence[float] = 1.0,
+    ambient_dim: int | None = None,
+    random_state: RandomState = None,
+) -> FloatArray:
+    """Sample the product of ``dim`` circles in R^(2 dim).
+
+    Parameters
+    ----------
+    num_samples : int
+        Number of samples.
+    dim : int
+        Number of circles, at least 1.
+    radii : float or sequence of ``dim`` floats
+        Radii of the circles.
+    ambient_dim : int, optional
+        Embed the torus isometrically into this dimension, at least ``2 * dim``, by a
+        random orthonormal map.
+    random_state : int, Generator, RandomState or None
+        Source of randomness.
+
+    Returns
+    -------
+    ndarray of shape (num_samples, 2 * dim) or (num_samples, ambient_dim)
+        Samples, uniform in volume.
+    """
+    rng, count = _generator(random_state), _count(num_samples)
+    dim = _at_least(dim, 1, "dim")
+    scales = np.asarray(radii, dtype=np.float64)
+    if scales.shape not in {(), (dim,)} or not np.all(scales > 0):
+        msg = f"radii must be one positive number or {dim} of them, got {radii}"
+        raise ValueError(msg)
+    scales = np.broadcast_to(scales, (dim,))
+    points = np.hstack([r * _unit_circle(_angles(count, rng)) for r in scales])
+    return points if ambient_dim is None else embed(points, ambient_dim, rng)
+
+
+def rotations(num_samples: int, *, random_state: RandomState = None) -> FloatArray:
+    """Sample the rotation group SO(3) as 3 x 3 matrices in R^9.
+
+    Parameters
+    ----------
+    num_samples : int
+        Number of samples.
+    random_state : int, Generator, RandomState or None
+        Source of randomness.
+
+    Returns
+    -------
+    ndarray of shape (num_samples, 9)
+        Rotation matrices, row by row, uniform in volume (Haar measure).
+
+    References
+    ----------
+    Shoemake, *Uniform random rotations*, Graphics Gems III, 1992.
+    """
+    rng, count = _generator(random_state), _count(num_samples)
+    w, x, y, z = _directions(count, 4, rng).T
+    return np.column_stack(
+        [
+            1 - 2 * (y * y + z * z),
+            2 * (x * y - w * z),
+            2 * (x * z + w * y),
+            2 * (x * y + w * z),
+            1 - 2 * (x * x + z * z),
+            2 * (y * z - w * x),
+            2 * (x * z - w * y),
+            2 * (y * z + w * x),
+            1 - 2 * (x * x + y * y),
+        ]
+    )
+
+
+def sphere_times_circle(
+    num_samples: int,
+    *,
+    sphere_radius: float = 1.0,
+    circle_radius: float = 1.0,
+    random_state: RandomState = None,
+) -> FloatArray:
+    """Sample the product S^2 x S^1 in R^5.
+
+    Parameters
+    ----------
+    num_samples : int
+        Number of samples.
+    sphere_radius : float
+        Radius of the sphere, coordinates 0 to 2.
+    circle_radius : float
+        Radius of the circle, coordinates 3 and 4.
+    random_state : int, Generator, RandomState or None
+        Source of randomness.
+
+    Returns
+    -------
+    ndarray of shape (num_samples, 5)
+        Samples, uniform in volume.
+    """
+    rng = _generator(random_state)
+    return np.hstack(
+        [
+            sphere(num_samples, radius=sphere_radius, random_state=rng),
+            circle(num_samples, radius=circle_radius, random_state=rng),
+        ]
+    )
+
+
+# ------------------------------------------------------ manifolds with boundary
+
+
+def moebius_band(
+    num_samples: int,
+    *,
+    radius: float = 1.0,
+    half_width: float = 0.4,
+    random_state: RandomState = None,
+) -> FloatArray:
+    """Sample a Moebius band in space.
+
+    Parameters
+    ----------
+    num_samples : int
+        Number of samples.
+    radius : float
+        Radius of the center line.
+    half_width : float
+        Half the width of the band, below ``radius``.
+    random_state : int, Generator, RandomState or None
+        Source of randomness.
+
+    Returns
+    -------
+    ndarray of shape (num_samples, 3)
+        Samples, uniform in area.
+    """
+    rng, count = _generator(random_state), _count(num_samples)
+    _check_radii(radius, half_width, ("radius", "half_width"))
+
+    def draw(n: int) -> tuple[FloatArray, FloatArray]:
+        u, w = _angles(n, rng), rng.uniform(-half_width, half_width, n)
+        around = radius + w * np.cos(u / 2)
+        return np.column_stack([u, w]), np.hypot(around, w / 2)
+
+    bound = float(np.hypot(radius + half_width, half_width / 2))
+    u, w = _reject(draw, count, rng, bound).T
+    around = radius + w * np.cos(u / 2)
+    return np.column_stack([around[:, None] * _unit_circle(u), w * np.sin(u / 2)])
+
+
+def annulus(
+    num_samples: int,
+    *,
+    inner_radius: float = 0.5,
+    outer_radius: float = 1.0,
+    random_state: RandomState = None,
+) -> FloatArray:
+    """Sample a flat annulus in the plane.
+
+    Parameters
+    ----------
+    num_samples : int
+        Number of samples.
+    inner_radius : float
+        Radius of the hole, positive.
+    outer_radius : float
+        Radius of the outer circle, above ``inner_radius``.
+    random_state : int, Generator, RandomState or None
+        Source of randomness.
+
+    Returns
+    -------
+    ndarray of shape (num_samples, 2)
+        Samples, uniform in area.
+    """
+    rng, count = _generator(random_state), _count(num_samples)
+    _check_radii(outer_radius, inner_radius, ("outer_radius", "inner_radius"))
+    radii = np.sqrt(rng.uniform(inner_radius**2, outer_radius**2, count))
+    return radii[:, None] * _unit_circle(_angles(count, rng))
+
+
+def swiss_roll(
+    num_samples: int,
+    *,
+    turns: float = 1.5,
+    pitch: float = 1.0,
+    height: float = 3.0,
+    random_state: RandomState = None,
+) -> FloatArray:
+    """Sample a Swiss roll in space: an Archimedean spiral times an interval.
+
+    Parameters
+    ----------
+    num_samples : int
+        Number of samples.
+    turns : float
+        Number of turns.
+    pitch : float
+        Distance between consecutive turns.
+    height : float
+        Length of the interval.
+    random_state : int, Generator, RandomState or None
+        Source of randomness.
+
+    Returns
+    -------
+    ndarray of shape (num_samples, 3)
+        Samples, uniform in area (those of scikit-learn's ``make_swiss_roll`` are
+        denser inside); the height is the coordinate in the middle, as there.
+    """
+    rng = _generator(random_state)
+    points = spiral(num_samples, turns=turns, pitch=pitch, random_state=rng)
+    heights = rng.uniform(0.0, _positive(height, "height"), len(points))
+    return np.column_stack([points[:, 0], heights, points[:, 1]])
+
+
+def spherical_cap(
+    num_samples: int,
+    *,
+    angle: float = np.pi / 3,
+    radius: float = 1.0,
+    random_state: RandomState = None,
+) -> FloatArray:
+    """Sample the cap of a sphere in space.
+
+    Parameters
+    ----------
+    num_samples : int
+        Number of samples.
+    angle : float
+        Angle between the cap's axis and its rim, in radians, below pi.
+    radius : float
+        Radius of the sphere.
+    random_state : int, Generator, RandomState or None
+        Source of randomness.
+
+    Returns
+    -------
+    ndarray of shape (num_samples, 3)
+        Samples, uniform in area.
+    """
+    rng, count = _generator(random_state), _count(num_samples)
+    if not 0 < angle < np.pi:
+        msg = f"angle must be between 0 and pi, got {angle}"
+        raise ValueError(msg)
+    z = rng.uniform(np.cos(angle), 1.0, count)
+    around = np.sqrt(1 - z**2)[:, None] * _unit_circle(_angles(count, rng))
+    return _positive(radius, "radius") * np.column_stack([around, z])
+
+
+def ball(
+    num_samples: int,
+    *,
+    dim: int = 3,
+    radius: float = 1.0,
+    random_state: RandomState = None,
+) -> FloatArray:
+    """Sample the ball of dimension ``dim``.
+
+    Parameters
+    ----------
+    num_samples : int
+        Number of samples.
+    dim : int
+        Dimension of the ball, at least 1.
+    radius : float
+        Radius of the ball.
+    random_state : int, Generator, RandomState or None
+        Source of randomness.
+
+    Returns
+    -------
+    ndarray of shape (num_samples, dim)
+        Samples, uniform in volume.
+    """
+    rng, count = _generator(random_state), _count(num_samples)
+    dim = _at_least(dim, 1, "dim")
+    radii = _positive(radius, "radius") * rng.uniform(size=count) ** (1 / dim)
+    return radii[:, None] * _directions(count, dim, rng)
+
+
+# --------------------------------------------------------------- on any sample
+
+
+def embed(
+    points: FloatArray, ambient_dim: int, random_state: RandomState = None
+) -> FloatArray:
+    """Embed points isometrically into a space of higher dimension.
+
+    Parameters
+    ----------
+    points : ndarray of shape (N, D)
+        Points.
+    ambient_dim : int
+        Dimension of the new space, at least D.
+    random_state : int, Generator, RandomState or None
+        Source of the random orthonormal map.
+
+    Returns
+    -------
+    ndarray of shape (N, ambient_dim)
+        The points under a random linear isometry.
+    """
+    rng = _generator(random_state)
+    dim = _at_least(ambient_dim, points.shape[1], "ambient_dim")
+    basis = np.linalg.qr(rng.standard_normal((dim, points.shape[1])))[0]
+    return np.asarray(points @ basis.T, dtype=np.float64)
+
+
+def add_noise(
+    points: FloatArray, scale: float, random_state: RandomState = None
+) -> FloatArray:
+    """Add normal noise to every coordinate.
+
+    Parameters
+    ----------
+    points : ndarray of shape (N, D)
+        Points.
+    scale : float
+        Standard deviation of the noise in each coordinate.
+    random_state : int, Generator, RandomState or None
+        Source of randomness.
+
+    Returns
+    -------
+    ndarray of shape (N, D)
+        The points with noise.
+    """
+    rng = _generator(random_state)
+    return np.asarray(points + scale * rng.standard_normal(points.shape))
+
+
+def spread(
+    points: FloatArray, num_samples: int, random_state: RandomState = None
+) -> FloatArray:
+    """Choose samples that are spread evenly over the points.
+
+    Greedy farthest points: each choice is the point farthest from those chosen
+    before. Draw some ten times as many samples as needed and keep an even subset.
+
+    Parameters
+    ----------
+    points : ndarray of shape (N, D)
+        Points to choose from.
+    num_samples : int
+        How many to choose, at most N.
+    random_state : int, Generator, RandomState or None
+        Source of the first choice.
+
+    Returns
+    -------
+    ndarray of shape (num_samples, D)
+        The chosen points, in the order of the choice.
+
+    References
+    ----------
+    Gonzalez, *Clustering to minimize the maximum intercluster distance*, 1985.
+    """
+    rng, count = _generator(random_state), _count(num_samples)
+    if count > len(points):
+        msg = f"cannot choose {count} of {len(points)} points"
+        raise ValueError(msg)
+    chosen = np.empty(count, dtype=np.intp)
+    chosen[0] = rng.integers(len(points))
+    nearest = np.full(len(points), np.inf)
+    for i in range(1, count):
+        difference = points - points[chosen[i - 1]]
+        squared_distance = np.einsum("ij,ij->i", difference, difference)
+        np.minimum(nearest, squared_distance, out=nearest)
+        chosen[i] = np.argmax(nearest)
+    return points[chosen]
+
+
+# ----------------------------------------------------------------- the tables
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A generator and the topology of the manifold that it samples.
+
+    Attributes
+    ----------
+    generate : callable
+        The generator; its defaults give the manifold described here.
+    dim : int
+        Dimension K of the manifold.
+    ambient_dim : int
+        Dimension D of the space.
+    betti_numbers : tuple of K + 1 ints
+        Betti numbers with coefficients in Z/2.
+    closed : bool
+        Whether the manifold has no boundary.
+    orientable : bool
+        Whether the manifold is orientable.
+    """
+
+    generate: Callable[..., FloatArray]
+    dim: int
+    ambient_dim: int
+    betti_numbers: tuple[int, ...]
+    closed: bool = True
+    orientable: bool = True
+
+    @property
+    def components(self) -> int:
+        """Number of connected components."""
+        return self.betti_numbers[0]
+
+    @property
+    def euler_characteristic(self) -> int:
+        """Alternating sum of the Betti numbers."""
+        return sum((-1) ** k * b for k, b in enumerate(self.betti_numbers))
+
+
+SHAPES: dict[str, Shape] = {
+    "circle": Shape(circle, 1, 2, (1, 1)),
+    "ellipse": Shape(ellipse, 1, 2, (1, 1)),
+    "planar_curve": Shape(planar_curve, 1, 2, (1, 1)),
+    "planar_curves": Shape(planar_curves, 1, 2, (2, 2)),
+    "spiral": Shape(spiral, 1, 2, (1, 0), closed=False),
+    "trefoil": Shape(trefoil, 1, 3, (1, 1)),
+    "closed_curve": Shape(closed_curve, 1, 10, (1, 1)),
+    "interlocking_circles": Shape(interlocking_circles, 1, 3, (2, 2)),
+    "sphere": Shape(sphere, 2, 3, (1, 0, 1)),
+    "torus": Shape(torus, 2, 3, (1, 2, 1)),
+    "grid_torus": Shape(grid_torus, 2, 3, (1, 2, 1)),
+    "klein_bottle": Shape(klein_bottle, 2, 4, (1, 2, 1), orientable=False),
+    "projective_plane": Shape(projective_plane, 2, 5, (1, 1, 1), orientable=False),
+    "interlocking_tori": Shape(interlocking_tori, 2, 3, (2, 4, 2)),
+    "fruit_bowl": Shape(fruit_bowl, 2, 3, (4, 0, 4)),
+    "flat_torus": Shape(flat_torus, 2, 4, (1, 2, 1)),
+    "rotations": Shape(rotations, 3, 9, (1, 1, 1, 1)),
+    "sphere_times_circle": Shape(sphere_times_circle, 3, 5, (1, 1, 1, 1)),
+    "moebius_band": Shape(
+        moebius_band, 2, 3, (1, 1, 0), closed=False, orientable=False
+    ),
+    "annulus": Shape(annulus, 2, 2, (1, 1, 0), closed=False),
+    "swiss_roll": Shape(swiss_roll, 2, 3, (1, 0, 0), closed=False),
+    "spherical_cap": Shape(spherical_cap, 2, 3, (1, 0, 0), closed=False),
+    "ball": Shape(ball, 3, 3, (1, 0, 0, 0), closed=False),
+}
+
+FIGURES: dict[int, str] = {
+    3: "planar_curve",
+    4: "planar_curves",
+    5: "spiral",
+    6: "interlocking_circles",
+    7: "fruit_bowl",
+    8: "interlocking_tori",
+    9: "grid_torus",
+}
+
+
+# ------------------------------------------------------------ drawing at random
+
+
+def _generator(random_state: RandomState) -> np.random.Generator:
+    if isinstance(random_state, np.random.RandomState):
+        return np.random.Generator(random_state._bit_generator)
+    return np.random.default_rng(random_state)
+
+
+def _angles(count: int, rng: np.random.Generator) -> FloatArray:
+    return rng.uniform(0.0, 2 * np.pi, count)
+
+
+def _unit_circle(angles: FloatArray) -> FloatArray:
+    return np.column_stack([np.cos(angles), np.sin(angles)])
+
+
+def _directions(count: int, dim: int, rng: np.random.Generator) -> FloatArray:
+    vectors = rng.standard_normal((count, dim))
+    return np.asarray(vectors / np.linalg.norm(vectors, axis=1, keepdims=True))
+
+
+def _reject(
+    draw: Callable[[int], tuple[FloatArray, FloatArray]],
+    count: int,
+    rng: np.random.Generator,
+    bound: float,
+) -> FloatArray:
+    """Keep parameters with a chance of density / bound, until there are enough."""
+    kept: list[FloatArray] = []
+    while (missing := count - sum(map(len, kept))) > 0:
+        parameters, density = draw(2 * missing + 8)
+        kept.append(parameters[rng.uniform(0.0, bound, len(density)) < density])
+    return np.concatenate(kept)[:count]
+
+
+def _curve(
+    curve: Callable[[FloatArray], FloatArray],
+    interval: tuple[float, float],
+    num_samples: int,
+    random_state: RandomState,
+) -> FloatArray:
+    """Sample a curve uniformly in arc length, measured on a fine polygon."""
+    rng, count = _generator(random_state), _count(num_samples)
+    t = np.linspace(*interval, 20_001)
+    length = np.linalg.norm(np.diff(curve(t), axis=0), axis=1).cumsum()
+    length = np.concatenate([[0.0], length])
+    return curve(np.interp(rng.uniform(0.0, length[-1], count), length, t))
+
+
+def _torus_points(
+    u: FloatArray, v: FloatArray, major_radius: float, minor_radius: float
+) -> FloatArray:
+    around = major_radius + minor_radius * np.cos(v)
+    return np.column_stack(
+        [around[:, None] * _unit_circle(u), minor_radius * np.sin(v)]
+    )
+
+
+class _Patch:
+    """A parametrized surface, its area measured on a grid of 256 x 256 cells.
+
+    Samples lie exactly on the surface; within a cell the density is that of its
+    center.
+    """
+
+    def __init__(
+        self,
+        surface: Callable[[FloatArray, FloatArray], FloatArray],
+        u_range: tuple[float, float],
+        v_range: tuple[float, float],
+        cells: int = 256,
+    ) -> None:
+        self._surface = surface
+        self._origin = np.array([u_range[0], v_range[0]])
+        self._step = np.array([np.ptp(u_range), np.ptp(v_range)]) / cells
+        index = np.indices((cells, cells)).reshape(2, -1).T
+        self._corners = self._origin + index * self._step
+        u, v = (self._corners + self._step / 2).T
+        du, dv = self._step / 2
+        along_u = surface(u + du, v) - surface(u - du, v)
+        along_v = surface(u, v + dv) - surface(u, v - dv)
+        self._areas = np.linalg.norm(np.cross(along_u, along_v), axis=1)
+        self.area = float(self._areas.sum())
+
+    def sample(self, count: int, rng: np.random.Generator) -> FloatArray:
+        cells = rng.choice(len(self._areas), count, p=self._areas / self.area)
+        parameters = self._corners[cells] + rng.uniform(size=(count, 2)) * self._step
+        return self._surface(*parameters.T)
+
+
+# --------------------------------------------------------- the bowl and its fruits
+
+
+def _bowl(u: FloatArray, v: FloatArray) -> FloatArray:
+    # A thick cap of a sphere. Its outline: up the outside, over the rim, down again.
+    outside, rim, inside = (np.clip(v - start, 0.0, 1.0) for start in range(3))
+    depth = 1.15 * (outside - inside)
+    radius = 2.0 + 0.2 * np.cos(np.pi * rim)
+    height = 0.2 * np.sin(np.pi * rim)
+    outline = np.column_stack(
+        [
+            radius * np.sin(depth) + height * np.cos(depth),
+            -radius * np.cos(depth) + height * np.sin(depth),
+        ]
+    )
+    return np.column_stack([outline[:, :1] * _unit_circle(u), outline[:, 1]])
+
+
+def _orange(u: FloatArray, v: FloatArray) -> FloatArray:
+    around = 0.66 * np.sin(v)[:, None] * _unit_circle(u)
+    points = np.column_stack([around, 0.62 * np.cos(v)])
+    return _moved(points, -0.64, 0.42, -0.46)
+
+
+def _pear(u: FloatArray, v: FloatArray) -> FloatArray:
+    around = (0.52 * np.sin(v) * (1 - 0.35 * np.cos(v)))[:, None] * _unit_circle(u)
+    points = np.column_stack([around, 0.8 * np.cos(v)])
+    return _moved(points, 0.8, 0.42, -0.2)
+
+
+def _banana(u: FloatArray, v: FloatArray) -> FloatArray:
+    # A tube that follows an arc and closes at both ends.
+    arc = 0.72 * np.cos(v)
+    across = 0.29 * np.sin(v)
+    around = 1.3 + across * np.cos(u)
+    points = np.column_stack(
+        [around * np.sin(arc), across * np.sin(u), -around * np.cos(arc)]
+    )
+    return _moved(points, 0.12, -0.72, 0.25)
+
+
+def _moved(points: FloatArray, *offset: float) -> FloatArray:
+    return np.asarray(points + np.array(offset))
+
+
+# ------------------------------------------------------------------- validation
+
+
+def _count(num_samples: int) -> int:
+    return _at_least(num_samples, 1, "num_samples")
+
+
+def _at_least(value: int, minimum: int, name: str) -> int:
+    try:
+        number = operator.index(value)
+    except TypeError:
+        msg = f"{name} must be an integer, got {value!r}"
+        raise TypeError(msg) from None
+    if number < minimum:
+        msg = f"{name} must be at least {minimum}, got {number}"
+        raise ValueError(msg)
+    return number
+
+
+def _positive(value: float, name: str) -> float:
+    if not value > 0:
+        msg = f"{name} must be positive, got {value}"
+        raise ValueError(msg)
+    return value
+
+
+def _check_radii(
+    outer: float,
+    inner: float,
+    names: tuple[str, str] = ("major_radius", "minor_radius"),
+) -> None:
+    if not 0 < inner < outer:
+        msg = f"0 < {names[1]} < {names[0]} must hold, got {inner} and {outer}"
+        raise ValueError(msg)
+
+
+def _shares(num_samples: int, weights: Sequence[float]) -> list[int]:
+    """Split the samples in proportion to the weights; the last takes the rest."""
+    count = _count(num_samples)
+    edges = np.rint(np.cumsum(weights) / np.sum(weights) * count).astype(int)
+    return [int(n) for n in np.diff(edges, prepend=0)]

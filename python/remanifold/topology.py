@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a simplicial complex is: counts, links, homology."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from remanifold import _core
+from remanifold._progress import progress_callback
+from remanifold._validation import check_num_threads
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from remanifold._progress import Callback
+
+
+@dataclass(frozen=True)
+class Topology:
+    """Topology of a pure K-dimensional complex.
+
+    Attributes
+    ----------
+    dim : int
+        K.
+    num_simplices : tuple of int
+        Simplices of dimension 0 to K; samples in no simplex do not count.
+    components : int
+        Connected components.
+    euler_characteristic : int
+        Alternating sum of `num_simplices`.
+    betti_numbers : tuple of int
+        Betti numbers of dimension 0 to K over Z2.
+    betti_numbers_mod3 : tuple of int
+        The same over Z3; where they differ there is 2-torsion.
+    manifold : bool
+        Every vertex link is a sphere or a ball. For K >= 4 links are held to be spheres
+        and balls by their homology and that of their own links.
+    closed : bool
+        Every (K-1)-face has exactly two cofaces.
+    orientable : bool
+        The simplices can be oriented alike across all (K-1)-faces; False where some
+        such face has more than two cofaces.
+    coface_counts : dict of int to int
+        Number of (K-1)-faces by the number of K-simplices they lie in.
+    singular_vertices : ndarray of int32
+        Vertices whose link is neither a sphere nor a ball.
+    """
+
+    dim: int
+    num_simplices: tuple[int, ...]
+    components: int
+    euler_characteristic: int
+    betti_numbers: tuple[int, ...]
+    betti_numbers_mod3: tuple[int, ...]
+    manifold: bool
+    closed: bool
+    orientable: bool
+    coface_counts: dict[int, int]
+    singular_vertices: NDArray[np.int32]
+
+    @property
+    def num_vertices(self) -> int:
+        """Vertices that some simplex uses."""
+        return self.num_simplices[0]
+
+
+def compute_topology(
+    simplices: NDArray[np.int32],
+    num_vertices: int,
+    *,
+    num_threads: int | None = None,
+    progress: bool | Callback | None = None,
+) -> Topology:
+    """Topology of the complex whose top simplices are the rows.
+
+    Parameters
+    ----------
+    simplices : ndarray, shape (M, K+1), int32
+        Simplices, columns ascending.
+    num_vertices : int
+        N, more than any vertex.
+    num_threads, progress
+        As in `remanifold.neighborhoods`.
+
+    Returns
+    -------
+    Topology
+    """
+    with progress_callback(progress) as callback:
+        counts = _core.topology(
+            simplices, num_vertices, check_num_threads(num_threads), callback
+        )
+    dim = simplices.shape[1] - 1
+    betti_2, betti_3 = _betti_numbers(simplices, dim, counts)
+    singular = counts["singular_vertices"]
+    if dim >= 4:
+        singular = _singular_by_homology(simplices, singular)
+    return Topology(
+        dim=dim,
+        num_simplices=tuple(int(n) for n in counts["face_counts"]),
+        components=counts["components"],
+        euler_characteristic=counts["euler_characteristic"],
+        betti_numbers=betti_2,
+        betti_numbers_mod3=betti_3,
+        manifold=len(simplices) > 0 and len(singular) == 0,
+        closed=counts["closed"],
+        orientable=len(simplices) > 0 and counts["orientable"],
+        coface_counts={
+            cofaces: int(number)
+            for cofaces, number in enumerate(counts["coface_counts"])
+            if number > 0
+        },
+        singular_vertices=singular,
+    )
+
+
+def _betti_numbers(
+    simplices: NDArray[np.int32], dim: int, counts: dict[str, Any]
+) -> tuple[tuple[int, ...], tuple[int, ...]]:
+    """Over Z2 and Z3; by counting where that settles it, else by GUDHI."""
+    if len(simplices) == 0:
+        return (0,) * (dim + 1), (0,) * (dim + 1)
+    components: int = counts["components"]
+    euler: int = counts["euler_characteristic"]
+    if dim == 1:
+        graph = (components, components - euler)
+        return graph, graph
+    if dim == 2 and counts["pseudomanifold"]:
+        # Closed patches carry the second homology, orientable ones outside Z2.
+        tops = (counts["closed_patches"], counts["closed_orientable_patches"])
+        over_2, over_3 = ((components, components + b - euler, b) for b in tops)
+        return over_2, over_3
+    tree = _simplex_tree(simplices)
+    return _homology(tree, dim, 2), _homology(tree, dim, 3)
+
+
+def _simplex_tree(simplices: NDArray[np.int32]) -> Any:
+    import gudhi
+
+    tree = gudhi.SimplexTree()
+    tree.insert_batch(np.ascontiguousarray(simplices.T), np.zeros(len(simplices)))
+    return tree
+
+
+def _homology(tree: Any, dim: int, field: int) -> tuple[int, ...]:
+    tree.compute_persistence(
+        homology_coeff_field=field, min_persistence=-1.0, persistence_dim_max=True
+    )
+    betti = [int(b) for b in tree.betti_numbers()]
+    return tuple((betti + [0] * (dim + 1))[: dim + 1])
+
+
+def _singular_by_homology(
+    simplices: NDArray[np.int32], known: NDArray[np.int32]
+) -> NDArray[np.int32]:
+    """Add the vertices whose link lacks the homology of a sphere or a ball."""
+    arity = simplices.shape[1]
+    bad = set(known.tolist())
+    order = np.argsort(simplices, axis=None, kind="stable")
+    vertices, starts = np.unique(simplices.ravel()[order], return_index=True)
+    ends = np.append(starts[1:], len(order))
+    for vertex, start, end in zip(vertices, starts, ends, strict=True):
+        if int(vertex) in bad:
+            continue
+        star = simplices[order[start:end] // arity]
+        link = star[star != vertex].reshape(len(star), arity - 1)
+        tree = _simplex_tree(link)
+        for field in (2, 3):
+            betti = _homology(tree, arity - 2, field)
+            if betti[0] != 1 or any(betti[1:-1]) or betti[-1] > 1:
+                bad.add(int(vertex))
+    return np.array(sorted(bad), dtype=np.int32)

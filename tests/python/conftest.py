@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Versions in the report header, and the optional development data."""
+
+import os
+import platform
+from importlib import metadata
+from pathlib import Path
+
+import pytest
+
+PACKAGES = ("remanifold", "numpy", "scipy", "gudhi", "hypothesis")
+DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
+
+
+def version(package: str) -> str:
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return "absent"
+
+
+def pytest_report_header() -> list[str]:
+    return [
+        "versions: " + ", ".join(f"{name} {version(name)}" for name in PACKAGES),
+        f"machine: {platform.machine()}, {os.cpu_count()} cores",
+    ]
+
+
+@pytest.fixture(scope="session")
+def data_dir() -> Path:
+    """Folder of the development data, which is no part of this repository."""
+    folder = Path(os.environ.get("REMANIFOLD_DATA", DATA))
+    if not folder.is_dir():
+        pytest.skip(f"no development data: {folder} is absent (REMANIFOLD_DATA)")
+    return folder

@@ -1,0 +1,383 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The samples lie on their manifolds, uniformly, and come back with their seed."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from remanifold import datasets
+from remanifold.datasets import FIGURES, SHAPES
+
+# For every shape an equation of its manifold: zero (or true) at each sample.
+NORM = np.linalg.norm
+
+
+def on_torus(points, major_radius=1.0, minor_radius=0.4):
+    around = np.hypot(points[:, 0], points[:, 1]) - major_radius
+    return np.hypot(around, points[:, 2]) - minor_radius
+
+
+def on_planar_curve(points, lobes, depth):
+    phi = np.arctan2(points[:, 1], points[:, 0])
+    return NORM(points, axis=1) - 1 - depth * np.cos(lobes * phi)
+
+
+def on_planar_curves(points):
+    left = points[:, 0] < 1.45
+    first, second = points[left], points[~left] - [2.2, 0.0]
+    return np.concatenate(
+        [
+            on_planar_curve(first, 3, 0.3),
+            (second[:, 0] / 0.6) ** 2 + (second[:, 1] / 1.15) ** 2 - 1,
+        ]
+    )
+
+
+def on_spiral(points):
+    turns = NORM(points, axis=1) - 0.5
+    phi = np.arctan2(points[:, 1], points[:, 0]) / (2 * np.pi)
+    return (turns - phi + 0.5) % 1.0 - 0.5
+
+
+def on_trefoil(points):
+    # x^2 + y^2 = 5 - 4 cos 3t, and z = -sin 3t.
+    cosine = (5 - (points[:, :2] ** 2).sum(axis=1)) / 4
+    return cosine**2 + points[:, 2] ** 2 - 1
+
+
+def on_closed_curve(points):
+    t = np.arctan2(points[:, 1], points[:, 0])
+    k = np.arange(1, 6)
+    expected = np.stack([np.cos(t[:, None] * k), np.sin(t[:, None] * k)], axis=2)
+    return (points - (expected / (k**2)[:, None]).reshape(len(points), -1)).ravel()
+
+
+def on_interlocking_circles(points):
+    first = np.hypot(NORM(points[:, :2], axis=1) - 1, points[:, 2])
+    second = np.hypot(NORM(points[:, [0, 2]] - [1, 0], axis=1) - 1, points[:, 1])
+    return np.minimum(first, second)
+
+
+def on_interlocking_tori(points):
+    first = on_torus(points, minor_radius=0.3)
+    second = on_torus(points[:, [0, 2, 1]] - [1, 0, 0], minor_radius=0.3)
+    return np.minimum(np.abs(first), np.abs(second))
+
+
+def on_klein_bottle(points):
+    # In the frame that turns over with u, the tube is a circle.
+    u = np.arctan2(points[:, 1], points[:, 0])
+    around = NORM(points[:, :2], axis=1) - 1
+    across = points[:, 2] * np.cos(u / 2) + points[:, 3] * np.sin(u / 2)
+    outside = points[:, 3] * np.cos(u / 2) - points[:, 2] * np.sin(u / 2)
+    return np.concatenate([np.hypot(around, across) - 0.4, outside])
+
+
+def on_projective_plane(points):
+    # The traceless symmetric matrix of the point has eigenvalues 2, -1, -1 (over 3).
+    xy, xz, yz = points[:, :3].T / np.sqrt(3)
+    difference, zz = 2 * points[:, 3] / np.sqrt(3), (2 * points[:, 4] + 1) / 3
+    xx, yy = (1 - zz + difference) / 2, (1 - zz - difference) / 2
+    matrices = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]).transpose(2, 0, 1)
+    return (matrices @ matrices - matrices).ravel()
+
+
+def on_rotations(points):
+    matrices = points.reshape(-1, 3, 3)
+    products = matrices @ matrices.transpose(0, 2, 1) - np.eye(3)
+    return np.concatenate([products.ravel(), np.linalg.det(matrices) - 1])
+
+
+def on_moebius_band(points):
+    u = np.arctan2(points[:, 1], points[:, 0])
+    along = NORM(points[:, :2], axis=1) - 1
+    return along * np.sin(u / 2) - points[:, 2] * np.cos(u / 2)
+
+
+def on_fruit_bowl(points):
+    """Inside the box of the bowl and its fruits; the surfaces have no equation."""
+    below, above = [-2.2, -2.2, -2.2], [2.2, 2.2, 0.7]
+    return np.where(np.all((points >= below) & (points <= above), axis=1), 0.0, 1.0)
+
+
+EQUATIONS = {
+    "circle": lambda p: NORM(p, axis=1) - 1,
+    "ellipse": lambda p: (p[:, 0] / 2) ** 2 + p[:, 1] ** 2 - 1,
+    "planar_curve": lambda p: on_planar_curve(p, 5, 0.25),
+    "planar_curves": on_planar_curves,
+    "spiral": on_spiral,
+    "trefoil": on_trefoil,
+    "closed_curve": on_closed_curve,
+    "interlocking_circles": on_interlocking_circles,
+    "sphere": lambda p: NORM(p, axis=1) - 1,
+    "torus": on_torus,
+    "grid_torus": on_torus,
+    "klein_bottle": on_klein_bottle,
+    "projective_plane": on_projective_plane,
+    "interlocking_tori": on_interlocking_tori,
+    "fruit_bowl": on_fruit_bowl,
+    "flat_torus": lambda p: NORM(p.reshape(-1, 2, 2), axis=2).ravel() - 1,
+    "rotations": on_rotations,
+    "sphere_times_circle": lambda p: np.concatenate(
+        [NORM(p[:, :3], axis=1) - 1, NORM(p[:, 3:], axis=1) - 1]
+    ),
+    "moebius_band": on_moebius_band,
+    "annulus": lambda p: np.clip(NORM(p, axis=1), 0.5, 1) - NORM(p, axis=1),
+    "swiss_roll": lambda p: on_spiral(p[:, [0, 2]]),
+    "spherical_cap": lambda p: NORM(p, axis=1) - 1 + np.minimum(p[:, 2] - 0.5, 0),
+    "ball": lambda p: np.maximum(NORM(p, axis=1) - 1, 0),
+}
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_samples_lie_on_the_manifold(name):
+    shape = SHAPES[name]
+    points = shape.generate(960, random_state=0)
+    assert points.shape == (960, shape.ambient_dim)
+    assert points.dtype == np.float64
+    assert points.flags.c_contiguous
+    # Not exactly 0: rounding, and fractions of a turn that wrap around.
+    np.testing.assert_allclose(EQUATIONS[name](points), 0.0, atol=1e-7)
+    assert len(np.unique(points, axis=0)) == 960
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_random_state(name):
+    generate = SHAPES[name].generate
+    first = generate(48, random_state=7)
+    np.testing.assert_array_equal(generate(48, random_state=7), first)
+    np.testing.assert_array_equal(
+        generate(48, random_state=np.random.default_rng(7)), first
+    )
+    if name != "grid_torus":  # without jitter there is nothing random in it
+        assert not np.array_equal(generate(48, random_state=8), first)
+        assert not np.array_equal(generate(48), generate(48))
+        rng = np.random.default_rng(7)
+        assert not np.array_equal(
+            generate(48, random_state=rng), generate(48, random_state=rng)
+        )
+
+
+def test_legacy_random_state():
+    first, second = (
+        datasets.circle(5, random_state=np.random.RandomState(3)) for _ in range(2)
+    )
+    np.testing.assert_array_equal(first, second)
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_topology_in_the_table_is_consistent(name):
+    shape = SHAPES[name]
+    betti = shape.betti_numbers
+    assert len(betti) == shape.dim + 1
+    assert shape.components == betti[0] > 0
+    if shape.closed:  # Poincaré duality with coefficients in Z/2
+        assert betti == betti[::-1]
+        assert shape.dim % 2 == 0 or shape.euler_characteristic == 0
+    else:
+        assert betti[-1] == 0
+
+
+def test_known_euler_characteristics():
+    expected = {"sphere": 2, "torus": 0, "klein_bottle": 0, "projective_plane": 1}
+    expected |= {"fruit_bowl": 8, "ball": 1, "moebius_band": 0, "rotations": 0}
+    found = {name: SHAPES[name].euler_characteristic for name in expected}
+    assert found == expected
+
+
+def test_tables_are_complete():
+    helpers = {"FIGURES", "SHAPES", "RandomState", "Shape", "add_noise", "embed"}
+    assert set(datasets.__all__) - helpers - {"spread"} == set(SHAPES)
+    assert set(EQUATIONS) == set(SHAPES)
+    assert set(FIGURES) == set(range(3, 10))
+    assert set(FIGURES.values()) <= set(SHAPES)
+
+
+# ---------------------------------------------------------------- uniformity
+
+# Expected values of functions under the uniform measure, in closed form.
+MEANS = {
+    "sphere": (datasets.sphere, lambda p: p[:, 2] ** 2, 1 / 3),
+    "sphere_3": (
+        lambda n, **k: datasets.sphere(n, dim=3, **k),
+        lambda p: p[:, 0] ** 2,
+        1 / 4,
+    ),
+    # cos v has density (1 + r cos v / R) / 2 pi: its mean is r / 2R.
+    "torus": (datasets.torus, lambda p: (NORM(p[:, :2], axis=1) - 1) / 0.4, 0.2),
+    "annulus": (datasets.annulus, lambda p: NORM(p, axis=1) ** 2, 0.625),
+    "ball": (datasets.ball, lambda p: NORM(p, axis=1) ** 3, 0.5),
+    "spherical_cap": (datasets.spherical_cap, lambda p: p[:, 2], 0.75),
+    "rotations": (datasets.rotations, lambda p: p[:, 0] ** 2, 1 / 3),
+    "projective_plane": (datasets.projective_plane, lambda p: p[:, 4] ** 2, 1 / 5),
+}
+
+
+def mean_along(position, speed, turns=1.0):
+    t = np.linspace(0, 2 * np.pi * turns, 100_001)
+    return np.average(position(t), weights=speed(t))
+
+
+# The same for curves, by integrals over arc length.
+MEANS |= {
+    "ellipse": (
+        datasets.ellipse,
+        lambda p: p[:, 0] ** 2,
+        mean_along(
+            lambda t: 4 * np.cos(t) ** 2,
+            lambda t: np.hypot(2 * np.sin(t), np.cos(t)),
+        ),
+    ),
+    "planar_curve": (
+        datasets.planar_curve,
+        lambda p: NORM(p, axis=1),
+        mean_along(
+            lambda t: 1 + np.cos(5 * t) / 4,
+            lambda t: np.hypot(1 + np.cos(5 * t) / 4, 5 * np.sin(5 * t) / 4),
+        ),
+    ),
+    "spiral": (
+        datasets.spiral,
+        lambda p: NORM(p, axis=1),
+        mean_along(
+            lambda t: 0.5 + t / (2 * np.pi),
+            lambda t: np.hypot(0.5 + t / (2 * np.pi), 1 / (2 * np.pi)),
+            turns=2.5,
+        ),
+    ),
+    "trefoil": (
+        datasets.trefoil,
+        lambda p: p[:, 2] ** 2,
+        mean_along(
+            lambda t: np.sin(3 * t) ** 2,
+            lambda t: np.sqrt(17 + 8 * np.cos(3 * t) + 9 * np.cos(3 * t) ** 2),
+        ),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", MEANS)
+def test_samples_are_uniform(name):
+    generate, function, expected = MEANS[name]
+    values = function(generate(40_000, random_state=1)).astype(float)
+    error = 5 * values.std() / np.sqrt(len(values))  # five standard deviations
+    assert values.mean() == pytest.approx(expected, abs=error)
+
+
+@pytest.mark.parametrize("name", ["klein_bottle", "moebius_band", "fruit_bowl"])
+def test_surfaces_are_uniform_in_area(name):
+    from scipy.spatial import cKDTree
+
+    points = SHAPES[name].generate(40_000, random_state=4)
+    # The square of the distance to the 20th neighbor is inverse to the density.
+    squared = cKDTree(points).query(points, k=21)[0][:, -1] ** 2
+    # It must not depend on the distance from the axis.
+    radius = NORM(points[:, :2], axis=1)
+    half = radius > np.median(radius)
+    assert squared[half].mean() == pytest.approx(squared[~half].mean(), rel=0.05)
+
+
+# -------------------------------------------------------------------- options
+
+
+def test_options_that_set_shape_and_size():
+    assert datasets.sphere(4, dim=5).shape == (4, 6)
+    assert datasets.ball(4, dim=2).shape == (4, 2)
+    assert datasets.closed_curve(4, ambient_dim=82).shape == (4, 82)
+    assert datasets.closed_curve(4, ambient_dim=3).shape == (4, 3)
+    assert datasets.flat_torus(4, dim=3, radii=[1, 2, 3]).shape == (4, 6)
+    radii = NORM(datasets.flat_torus(9, dim=2, radii=[1, 2]).reshape(-1, 2, 2), axis=2)
+    np.testing.assert_allclose(radii, [[1, 2]] * 9)
+    assert NORM(datasets.circle(3, radius=5), axis=1) == pytest.approx([5, 5, 5])
+
+
+def test_flat_torus_in_higher_dimension():
+    points = datasets.flat_torus(50, dim=2, random_state=1)
+    embedded = datasets.flat_torus(50, dim=2, ambient_dim=40, random_state=1)
+    assert embedded.shape == (50, 40)
+    np.testing.assert_allclose(embedded @ embedded.T, points @ points.T, atol=1e-12)
+
+
+def test_embed_keeps_distances():
+    points = datasets.torus(50, random_state=1)
+    np.testing.assert_allclose(
+        (datasets.embed(points, 7, 2) @ datasets.embed(points, 7, 2).T),
+        points @ points.T,
+        atol=1e-12,
+    )
+    with pytest.raises(ValueError, match="ambient_dim must be at least 3, got 2"):
+        datasets.embed(points, 2)
+
+
+def test_grid_torus_has_cyclic_quadrilaterals():
+    points = datasets.grid_torus(48 * 20).reshape(48, 20, 3)
+    corners = points[3, 4], points[4, 4], points[4, 5], points[3, 5]
+    following = corners[1:] + corners[:1]
+    a, b, c, d = (NORM(p - q) for p, q in zip(corners, following, strict=True))
+    diagonals = NORM(corners[0] - corners[2]) * NORM(corners[1] - corners[3])
+    assert a * c + b * d == pytest.approx(diagonals, rel=1e-12)  # Ptolemy
+    shaken = datasets.grid_torus(48 * 20, jitter=1e-3, random_state=0)
+    distance = NORM(shaken - points.reshape(-1, 3), axis=1)
+    assert 0 < distance.max() < 1e-2
+    with pytest.raises(ValueError, match="a multiple of num_around = 48, got 50"):
+        datasets.grid_torus(50)
+
+
+def test_noise():
+    points = np.zeros((20_000, 3))
+    noisy = datasets.add_noise(points, 0.1, random_state=1)
+    assert noisy.std(axis=0) == pytest.approx([0.1] * 3, rel=0.05)
+    assert not points.any()
+
+
+def test_spread_is_even():
+    points = datasets.torus(3000, random_state=1)
+    chosen = datasets.spread(points, 300, random_state=1)
+    assert chosen.shape == (300, 3)
+    assert {tuple(p) for p in chosen} <= {tuple(p) for p in points}
+
+    def nearest(sample):
+        distances = NORM(sample[:, None] - sample, axis=2)
+        return np.sort(distances, axis=1)[:, 1]
+
+    assert nearest(chosen).min() > 10 * nearest(points[:300]).min()
+    with pytest.raises(ValueError, match="cannot choose 11 of 10 points"):
+        datasets.spread(points[:10], 11)
+
+
+@pytest.mark.parametrize("name", SHAPES)
+@pytest.mark.parametrize("count", [0, -1])
+def test_counts_must_be_positive(name, count):
+    with pytest.raises(
+        ValueError, match=f"num_samples must be at least 1, got {count}"
+    ):
+        SHAPES[name].generate(count)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: datasets.circle(3, radius=0), "radius must be positive"),
+        (lambda: datasets.ellipse(3, semi_axes=(1, -1)), "semi_axes must be positive"),
+        (lambda: datasets.planar_curve(3, depth=1), "depth must be"),
+        (lambda: datasets.sphere(3, dim=0), "dim must be at least 1"),
+        (lambda: datasets.torus(3, minor_radius=1), "0 < minor_radius < major_radius"),
+        (lambda: datasets.torus(3, minor_radius=0), "0 < minor_radius < major_radius"),
+        (lambda: datasets.interlocking_tori(3, minor_radius=0.5), "below half"),
+        (lambda: datasets.flat_torus(3, dim=2, radii=[1, 2, 3]), "2 of them"),
+        (lambda: datasets.flat_torus(3, radii=-1), "positive"),
+        (lambda: datasets.annulus(3, inner_radius=2), "inner_radius < outer_radius"),
+        (lambda: datasets.spherical_cap(3, angle=4), "angle must be between 0 and pi"),
+        (lambda: datasets.spiral(3, turns=0), "turns must be positive"),
+    ],
+)
+def test_bad_options(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()
+
+
+def test_counts_must_be_integers():
+    with pytest.raises(TypeError, match=r"num_samples must be an integer, got 2\.5"):
+        datasets.circle(2.5)
+    assert datasets.circle(np.int64(2)).shape == (2, 2)
