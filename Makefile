@@ -29,6 +29,7 @@ SOURCES := CMakeLists.txt README.md pyproject.toml $(shell find cpp python tests
   tests/CMakeLists.txt benchmarks/CMakeLists.txt benchmarks/cpp -type f \
   -not -path '*/__pycache__/*')
 
+.NOTPARALLEL:
 .PHONY: all demo test test-cpp test-python test-consumers bench wheel lint format \
   system-packages clean distclean
 
@@ -48,8 +49,9 @@ test-consumers: $(PACKAGE)
 test-python: $(PACKAGE)
 	$(BIN)/python -m pytest
 
+# make bench ARGS="--shape sphere3 --samples 10000,20000"
 bench: $(PACKAGE)
-	$(BUILD)/benchmarks/remanifold_bench
+	$(BUILD)/benchmarks/remanifold_bench $(ARGS)
 
 wheel: $(ENVIRONMENT) | system-packages
 	.ci/wheel.sh $(BIN) $(BUILD_SETTINGS)

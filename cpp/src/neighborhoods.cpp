@@ -120,8 +120,9 @@ template <class FlannIndex>
 class FlannSearch final : public NeighborSearch::Implementation {
  public:
   FlannSearch(const Samples& samples, const flann::IndexParams& parameters,
-              flann::SearchParams search_parameters)
+              flann::SearchParams search_parameters, bool exact)
       : samples_(samples),
+        exact_(exact),
         index_(flann::Matrix<double>(const_cast<double*>(samples.point(0)),
                                      samples.size(), samples.ambient_dim()),
                parameters),
@@ -143,20 +144,33 @@ class FlannSearch final : public NeighborSearch::Implementation {
     void nearest(Index x, Index count, double squared_radius,
                  std::vector<Neighbor>& out) override {
       count = std::min(count, search_.samples_.size() - 1);
-      set_.reset(x, count, squared_radius, out);
+      find(x, search_.samples_.point(x), count, squared_radius, out);
+    }
+
+    bool nearest_to(const double* position, Index count, double squared_radius,
+                    std::vector<Neighbor>& out) override {
+      if (search_.exact_) {
+        find(-1, position, count, squared_radius, out);
+      }
+      return search_.exact_;
+    }
+
+   private:
+    void find(Index self, const double* position, Index count, double squared_radius,
+              std::vector<Neighbor>& out) {
+      set_.reset(self, count, squared_radius, out);
       if (count > 0) {
-        search_.index_.findNeighbors(set_, search_.samples_.point(x),
-                                     search_.search_parameters_);
+        search_.index_.findNeighbors(set_, position, search_.search_parameters_);
         set_.finish();
       }
     }
 
-   private:
     const FlannSearch& search_;
     NearestSet set_;
   };
 
   const Samples& samples_;
+  bool exact_;
   FlannIndex index_;
   flann::SearchParams search_parameters_;
 };
@@ -167,7 +181,7 @@ std::unique_ptr<NeighborSearch::Implementation> make_kd_tree(const Samples& samp
   // little slack keeps it from passing over a branch that holds a tie.
   parameters.eps = -1e-5F;
   return std::make_unique<FlannSearch<flann::KDTreeSingleIndex<SquaredEuclidean>>>(
-      samples, flann::KDTreeSingleIndexParams(10), parameters);
+      samples, flann::KDTreeSingleIndexParams(10), parameters, true);
 }
 
 std::unique_ptr<NeighborSearch::Implementation> make_approximate(const Samples& samples,
@@ -177,7 +191,7 @@ std::unique_ptr<NeighborSearch::Implementation> make_approximate(const Samples& 
   flann::seed_random(1);
   return std::make_unique<FlannSearch<flann::KMeansIndex<SquaredEuclidean>>>(
       samples, flann::KMeansIndexParams(32, 11, flann::FLANN_CENTERS_GONZALES, 0.2F),
-      flann::SearchParams(checks));
+      flann::SearchParams(checks), false);
 }
 
 SearchMethod choose(const Samples& samples, SearchMethod method) {
@@ -267,9 +281,9 @@ double measure_recall(const Samples& samples, const NeighborSearch& search, Inde
   if (count < 1) {
     return 1.0;
   }
+  const NeighborSearch exact_search(samples, {SearchMethod::kBruteForce});
   const std::unique_ptr<NeighborSearch::Query> query = search.query();
-  const std::unique_ptr<NeighborSearch::Query> exact =
-      detail::make_brute_force(samples)->query();
+  const std::unique_ptr<NeighborSearch::Query> exact = exact_search.query();
   constexpr double everywhere = std::numeric_limits<double>::infinity();
   std::vector<Neighbor> found;
   std::vector<Neighbor> expected;

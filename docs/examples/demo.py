@@ -49,9 +49,9 @@ def main():
     mesh = meshio.read(output)
     points, triangles = mesh.points, mesh.cells_dict["triangle"]
     picture, (left, right) = plt.subplots(1, 2, figsize=(9, 6), layout="constrained")
-    upright = points[:, [0, 2, 1]]  # the scan's y points up
-    view = (65.0, 10.0)
-    draw_points(left, upright, view, size=0.3)
+    upright = points[:, [0, 2, 1]] * [1.0, -1.0, 1.0]  # the scan's y points up
+    view = (-62.0, 8.0)
+    draw_points(left, upright, view, size=0.25)
     draw_simplices(right, upright, triangles, view, line_width=0)
     save(picture, arguments.folder / "mesh.png")
     print(f"picture: {arguments.folder / 'mesh.png'}")

@@ -19,7 +19,8 @@ from PIL import Image
 SAMPLE_COLOR = "#20466e"
 MESH_COLOR = np.array([0.99, 0.83, 0.60])
 ALARM_COLOR = np.array([0.85, 0.10, 0.15])
-LIGHT = np.array([-0.45, 0.75, 0.5]) / np.linalg.norm([-0.45, 0.75, 0.5])
+GAP_COLOR = "#1f5fd0"
+LIGHT = np.array([-0.42, 0.56, 0.71])  # from the left, above and in front
 
 
 def project(points, view):
@@ -48,36 +49,55 @@ def draw_points(axes, points, view, size=4.0):
     _frame(axes)
 
 
-def draw_simplices(axes, points, simplices, view, alarm=None, line_width=0.25):
-    """Draw edges or triangles; those marked by ``alarm`` in red."""
-    corners = project(points, view)[simplices]
+def draw_simplices(
+    axes, points, simplices, view, alarm=None, gaps=None, line_width=0.25
+):
+    """Draw edges or triangles, those marked by ``alarm`` in red, ``gaps`` in blue."""
+    projected = project(points, view)
+    alarm = np.zeros(len(simplices), dtype=bool) if alarm is None else alarm
+    if simplices.shape[1] == 2:
+        _draw_edges(axes, projected[simplices], alarm)
+    else:
+        gaps = np.empty((0, 2), dtype=int) if gaps is None else gaps
+        _draw_triangles(axes, projected[simplices], alarm, projected[gaps], line_width)
+    _frame(axes)
+
+
+def _draw_edges(axes, corners, alarm):
     depth = corners[:, :, 2].mean(axis=1)
     order = np.argsort(depth, kind="stable")
-    alarm = np.zeros(len(simplices), bool) if alarm is None else alarm
-    if simplices.shape[1] == 2:
-        colors = np.tile(mpl.colors.to_rgba(SAMPLE_COLOR), (len(simplices), 1))
-        colors[:, :3][alarm] = ALARM_COLOR
-        colors[:, 3] = 0.3 + 0.7 * _between(depth)
-        axes.add_collection(
-            LineCollection(corners[order, :, :2], colors=colors[order], linewidths=1.6)
+    colors = np.tile(mpl.colors.to_rgba(SAMPLE_COLOR), (len(corners), 1))
+    colors[:, :3][alarm] = ALARM_COLOR
+    colors[:, 3] = 0.3 + 0.7 * _between(depth)
+    axes.add_collection(
+        LineCollection(corners[order, :, :2], colors=colors[order], linewidths=1.6)
+    )
+
+
+def _draw_triangles(axes, corners, alarm, gaps, line_width):
+    sides = corners[:, 1:] - corners[:, :1]
+    normals = np.cross(sides[:, 0], sides[:, 1])
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    normals /= np.where(length > 0, length, 1.0)
+    normals *= np.where(normals[:, 2:] < 0, -1.0, 1.0)  # both sides are lit
+    shade = 0.36 + 0.64 * np.clip(normals @ LIGHT, 0.0, 1.0)
+    faces = np.where(alarm[:, None], ALARM_COLOR, MESH_COLOR) * shade[:, None]
+    edges = 0.55 * faces if line_width else faces
+    widths = np.full(len(corners), line_width or 0.1)
+
+    # A gap is a triangle without area: what lies in front of it hides it.
+    depth = np.concatenate([corners[:, :, 2].mean(axis=1), gaps[:, :, 2].max(axis=1)])
+    corners = np.concatenate([corners, gaps[:, [0, 1, 1]]])
+    blue = np.tile(mpl.colors.to_rgb(GAP_COLOR), (len(gaps), 1))
+    order = np.argsort(depth, kind="stable")
+    axes.add_collection(
+        PolyCollection(
+            corners[order, :, :2],
+            facecolors=np.concatenate([faces, blue])[order],
+            edgecolors=np.concatenate([edges, blue])[order],
+            linewidths=np.concatenate([widths, np.full(len(gaps), 1.4)])[order],
         )
-    else:
-        sides = corners[:, 1:] - corners[:, :1]
-        normals = np.cross(sides[:, 0], sides[:, 1])
-        length = np.linalg.norm(normals, axis=1, keepdims=True)
-        normals /= np.where(length > 0, length, 1.0)
-        normals *= np.where(normals[:, 2:] < 0, -1.0, 1.0)  # both sides are lit
-        shade = 0.35 + 0.65 * np.clip(normals @ LIGHT, 0.0, 1.0)
-        colors = np.where(alarm[:, None], ALARM_COLOR, MESH_COLOR) * shade[:, None]
-        axes.add_collection(
-            PolyCollection(
-                corners[order, :, :2],
-                facecolors=colors[order],
-                edgecolors=0.55 * colors[order] if line_width else colors[order],
-                linewidths=line_width or 0.1,
-            )
-        )
-    _frame(axes)
+    )
 
 
 def save(figure, path):

@@ -33,6 +33,7 @@ app = typer.Typer(
     add_completion=False,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
+    rich_markup_mode=None,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
@@ -121,8 +122,8 @@ def reconstruct(
 ) -> None:
     """Reconstruct a manifold from samples and write it as a mesh."""
     messages = Console(stderr=True, soft_wrap=True, highlight=False)
-    _check_usage(source, output, dim, num_neighbors)
     try:
+        _check_usage(source, output, dim, num_neighbors)
         points, seconds_read = _timed(lambda: read_points(source))
         _check_usage(source, output, dim, num_neighbors, points.shape[1])
         with warnings.catch_warnings(record=True) as caught:
@@ -181,7 +182,7 @@ def _check_usage(
         raise typer.BadParameter(str(error), param_hint="'--num-neighbors'") from None
     try:
         check_output(output, dim, ambient_dim)
-    except (ValueError, OSError) as error:
+    except ValueError as error:
         raise typer.BadParameter(str(error), param_hint="'--output'") from None
     if source.exists() and output.exists() and source.samefile(output):
         msg = f"{output}: is the input, which would be lost"
@@ -227,12 +228,12 @@ def _report(rec: rm.Reconstruction) -> dict[str, Any]:
 
 def _complaints(report: dict[str, Any]) -> list[str]:
     """Say what the result lacks."""
-    simplices, faces = _names(report["dim"])[:-3:-1]
+    faces, simplices = _names(report["dim"])[-2:]
+    without = report["boundary_samples"]
     found = [
         (
             report["unused_samples"],
-            "{} samples are in no simplex "
-            f"({report['boundary_samples']:,} have no tangent space)",
+            f"{{}} samples are in no simplex ({without:,} have no tangent space)",
         ),
         (report["callous_faces"], f"{{}} {faces} are in more than two {simplices}"),
         (
@@ -272,8 +273,8 @@ def _table(report: dict[str, Any]) -> Table:
         f"callous {names[-2]}": f"{report['callous_faces']:,}",
         f"{names[-1]} in no star": f"{report['unstarred_simplices']:,}",
         "holes": f"{report['holes']:,}",
-        "seconds": ", ".join(
-            f"{step.replace('_', ' ')} {seconds:.2f}"
+        "seconds": "\n".join(
+            f"{seconds:.2f} {step.replace('_', ' ')}"
             for step, seconds in report["seconds"].items()
         ),
         "written": report["output"],
@@ -287,7 +288,7 @@ def _table(report: dict[str, Any]) -> Table:
 
 
 def _names(dim: int) -> list[str]:
-    """What simplices of dimension 0 to ``dim`` are called."""
+    """Name the simplices of dimension 0 to ``dim``."""
     names = ["vertices", "edges", "triangles", "tetrahedra"]
     return (names + [f"{k}-simplices" for k in range(4, dim + 1)])[: dim + 1]
 

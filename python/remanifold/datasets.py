@@ -17,6 +17,7 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from typing import TypeAlias
 
 import numpy as np
@@ -34,6 +35,7 @@ __all__ = [
     "closed_curve",
     "ellipse",
     "embed",
+    "figure_samples",
     "flat_torus",
     "fruit_bowl",
     "grid_torus",
@@ -394,6 +396,7 @@ def grid_torus(
     num_around: int = 48,
     major_radius: float = 1.0,
     minor_radius: float = 0.4,
+    staggered: bool = False,
     jitter: float = 0.0,
     random_state: RandomState = None,
 ) -> FloatArray:
@@ -413,6 +416,9 @@ def grid_torus(
         Distance from the axis to the center of the tube.
     minor_radius : float
         Radius of the tube, below ``major_radius``.
+    staggered : bool
+        Shift every other row around the axis by half a step, which turns the cyclic
+        quadrilaterals into triangles. Take an even number of rows.
     jitter : float
         Standard deviation of a normal displacement of both angles, in units of the
         grid's spacing. The samples stay on the torus.
@@ -431,9 +437,10 @@ def grid_torus(
         msg = f"num_samples must be a multiple of num_around = {rows}, got {count}"
         raise ValueError(msg)
     i, j = np.divmod(np.arange(count), count // rows)
+    shift = 0.5 * (j % 2) if staggered else 0.0
     displacement = jitter * rng.standard_normal((2, count))
     return _torus_points(
-        2 * np.pi * (i + displacement[0]) / rows,
+        2 * np.pi * (i + shift + displacement[0]) / rows,
         2 * np.pi * (j + displacement[1]) / (count // rows),
         major_radius,
         minor_radius,
@@ -564,11 +571,11 @@ def interlocking_tori(
         torus(n, major_radius=major_radius, minor_radius=minor_radius, random_state=rng)
         for n in counts
     )
-    return np.vstack([first, _moved(second[:, [0, 2, 1]], major_radius, 0.0, 0.0)])
+    return _interlock(first, second, major_radius)
 
 
 def fruit_bowl(num_samples: int, *, random_state: RandomState = None) -> FloatArray:
-    """Sample a bowl with an orange, a pear and a banana in it (figure 7).
+    """Sample a bowl with an orange, a pear and a lemon in it (figure 7).
 
     Parameters
     ----------
@@ -584,11 +591,71 @@ def fruit_bowl(num_samples: int, *, random_state: RandomState = None) -> FloatAr
         surface after the other.
     """
     rng = _generator(random_state)
-    around = (0.0, 2 * np.pi)
-    patches = [_Patch(_bowl, around, (0.0, 3.0))]
-    patches += [_Patch(s, around, (0.0, np.pi)) for s in (_orange, _pear, _banana)]
+    patches = _bowl_and_fruits()
     counts = _shares(num_samples, [patch.area for patch in patches])
     return np.vstack([p.sample(n, rng) for p, n in zip(patches, counts, strict=True)])
+
+
+def figure_samples(number: int) -> FloatArray:
+    """Arrange samples for a figure of Freedman (2002).
+
+    The paper asks for dense samples without noise and does not say how its own were
+    placed. These are placed evenly, but for figure 9, whose point is that they are not.
+
+    Parameters
+    ----------
+    number : int
+        Number of the figure, 3 to 9. :data:`FIGURES` names its shape.
+
+    Returns
+    -------
+    ndarray of shape (N, D)
+        Samples, the same in every call.
+
+        ==== ===== =====================================================
+        no.  N     placed
+        ==== ===== =====================================================
+        3    120   farthest points of random samples, see :func:`spread`
+        4    320   the same
+        5    320   the same
+        6    120   the same
+        7    3338  as on geodesic spheres, stretched over the four surfaces
+        8    2160  in staggered rows, with a jitter of 2 % of the spacing
+        9    960   on a regular grid, with a jitter of 2 % of the spacing
+        ==== ===== =====================================================
+
+    Examples
+    --------
+    >>> import remanifold as rm
+    >>> rm.datasets.figure_samples(6).shape
+    (120, 3)
+    """
+    if number not in FIGURES:
+        known = f"{min(FIGURES)} to {max(FIGURES)}"
+        msg = f"number must be one of the figures {known}, got {number}"
+        raise ValueError(msg)
+    if number == 7:
+        frequencies = (16, 6, 5, 4)
+        patches = zip(_bowl_and_fruits(), frequencies, strict=True)
+        return np.vstack([patch.geodesic(frequency) for patch, frequency in patches])
+    if number == 8:
+        first, second = (
+            grid_torus(
+                1080,
+                num_around=60,
+                minor_radius=0.3,
+                staggered=True,
+                jitter=0.02,
+                random_state=seed,
+            )
+            for seed in (0, 1)
+        )
+        return _interlock(first, second, 1.0)
+    if number == 9:
+        return grid_torus(960, jitter=0.02, random_state=0)
+    count = {3: 120, 4: 320, 5: 320, 6: 120}[number]
+    dense = SHAPES[FIGURES[number]].generate(20 * count, random_state=0)
+    return spread(dense, count, random_state=0)
 
 
 # ------------------------------------------------- manifolds of any dimension
@@ -1108,25 +1175,26 @@ def _torus_points(
     )
 
 
+def _interlock(first: FloatArray, second: FloatArray, offset: float) -> FloatArray:
+    return np.vstack([first, _moved(second[:, [0, 2, 1]], offset, 0.0, 0.0)])
+
+
 class _Patch:
-    """A parametrized surface, its area measured on a grid of 256 x 256 cells.
+    """A surface of revolution, its area measured on a grid of 256 x 256 cells.
 
     Samples lie exactly on the surface; within a cell the density is that of its
-    center.
+    center. ``u`` is the angle around the axis, ``v`` goes from one pole to the other.
     """
 
     def __init__(
         self,
         surface: Callable[[FloatArray, FloatArray], FloatArray],
-        u_range: tuple[float, float],
-        v_range: tuple[float, float],
+        v_end: float,
         cells: int = 256,
     ) -> None:
         self._surface = surface
-        self._origin = np.array([u_range[0], v_range[0]])
-        self._step = np.array([np.ptp(u_range), np.ptp(v_range)]) / cells
-        index = np.indices((cells, cells)).reshape(2, -1).T
-        self._corners = self._origin + index * self._step
+        self._step = np.array([2 * np.pi, v_end]) / cells
+        self._corners = np.indices((cells, cells)).reshape(2, -1).T * self._step
         u, v = (self._corners + self._step / 2).T
         du, dv = self._step / 2
         along_u = surface(u + du, v) - surface(u - du, v)
@@ -1139,8 +1207,58 @@ class _Patch:
         parameters = self._corners[cells] + rng.uniform(size=(count, 2)) * self._step
         return self._surface(*parameters.T)
 
+    def geodesic(self, frequency: int) -> FloatArray:
+        """Points of a geodesic sphere, stretched so that areas keep their proportion."""
+        x, y, z = _geodesic_sphere(frequency).T
+        rows = round(np.sqrt(len(self._areas)))
+        below = self._areas.reshape(rows, rows).sum(axis=0).cumsum() / self.area
+        edges = np.arange(rows + 1) * self._step[1]
+        share = np.clip((1 - z) / 2, 0.0, 1.0)
+        v = np.interp(share, np.concatenate([[0.0], below]), edges)
+        return self._surface(np.arctan2(y, x), v)
+
+
+def _geodesic_sphere(frequency: int) -> FloatArray:
+    """Vertices of an icosahedron whose edges are split into ``frequency`` parts.
+
+    There are 10 frequency^2 + 2, turned at random so that no axis is special.
+    """
+    golden = (1 + np.sqrt(5)) / 2
+    corners = np.array(
+        [
+            np.roll([0.0, one, phi], turn)
+            for turn in range(3)
+            for one in (-1.0, 1.0)
+            for phi in (-golden, golden)
+        ]
+    )
+    touching = np.linalg.norm(corners[:, None] - corners, axis=2) < 2.1
+    weights = np.array(
+        [
+            (i, j, frequency - i - j)
+            for i in range(frequency + 1)
+            for j in range(frequency + 1 - i)
+        ]
+    )
+    points = np.vstack(
+        [
+            weights @ corners[list(face)]
+            for face in combinations(range(12), 3)
+            if touching[np.ix_(face, face)].all()
+        ]
+    )
+    points /= np.linalg.norm(points, axis=1, keepdims=True)
+    _, first = np.unique(points.round(9), axis=0, return_index=True)
+    turn = np.linalg.qr(np.random.default_rng(0).standard_normal((3, 3)))[0]
+    return np.asarray(points[first] @ turn)
+
 
 # --------------------------------------------------------- the bowl and its fruits
+
+
+def _bowl_and_fruits() -> list[_Patch]:
+    fruits = [_Patch(surface, np.pi) for surface in (_orange, _pear, _lemon)]
+    return [_Patch(_bowl, 3.0), *fruits]
 
 
 def _bowl(u: FloatArray, v: FloatArray) -> FloatArray:
@@ -1159,26 +1277,21 @@ def _bowl(u: FloatArray, v: FloatArray) -> FloatArray:
 
 
 def _orange(u: FloatArray, v: FloatArray) -> FloatArray:
-    around = 0.66 * np.sin(v)[:, None] * _unit_circle(u)
-    points = np.column_stack([around, 0.62 * np.cos(v)])
-    return _moved(points, -0.64, 0.42, -0.46)
+    around = 0.6 * np.sin(v)[:, None] * _unit_circle(u)
+    points = np.column_stack([around, 0.56 * np.cos(v)])
+    return _moved(points, -0.64, 0.4, -0.4)
 
 
 def _pear(u: FloatArray, v: FloatArray) -> FloatArray:
-    around = (0.52 * np.sin(v) * (1 - 0.35 * np.cos(v)))[:, None] * _unit_circle(u)
-    points = np.column_stack([around, 0.8 * np.cos(v)])
-    return _moved(points, 0.8, 0.42, -0.2)
+    around = (0.46 * np.sin(v) * (1 - 0.35 * np.cos(v)))[:, None] * _unit_circle(u)
+    points = np.column_stack([around, 0.72 * np.cos(v)])
+    return _moved(points, 0.8, 0.4, -0.2)
 
 
-def _banana(u: FloatArray, v: FloatArray) -> FloatArray:
-    # A tube that follows an arc and closes at both ends.
-    arc = 0.72 * np.cos(v)
-    across = 0.29 * np.sin(v)
-    around = 1.3 + across * np.cos(u)
-    points = np.column_stack(
-        [around * np.sin(arc), across * np.sin(u), -around * np.cos(arc)]
-    )
-    return _moved(points, 0.12, -0.72, 0.25)
+def _lemon(u: FloatArray, v: FloatArray) -> FloatArray:
+    around = 0.38 * np.sin(v)[:, None] * _unit_circle(u)
+    points = np.column_stack([0.52 * np.cos(v), around])
+    return _moved(points, 0.1, -0.76, -0.72)
 
 
 def _moved(points: FloatArray, *offset: float) -> FloatArray:

@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import functools
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from remanifold._progress import Callback
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Topology:
     """Topology of a pure K-dimensional complex.
 
@@ -32,10 +33,6 @@ class Topology:
         Connected components.
     euler_characteristic : int
         Alternating sum of `num_simplices`.
-    betti_numbers : tuple of int
-        Betti numbers of dimension 0 to K over Z2.
-    betti_numbers_mod3 : tuple of int
-        The same over Z3; where they differ there is 2-torsion.
     manifold : bool
         Every vertex link is a sphere or a ball. For K >= 4 links are held to be spheres
         and balls by their homology and that of their own links.
@@ -54,18 +51,46 @@ class Topology:
     num_simplices: tuple[int, ...]
     components: int
     euler_characteristic: int
-    betti_numbers: tuple[int, ...]
-    betti_numbers_mod3: tuple[int, ...]
     manifold: bool
     closed: bool
     orientable: bool
     coface_counts: dict[int, int]
-    singular_vertices: NDArray[np.int32]
+    singular_vertices: NDArray[np.int32] = field(repr=False)
+    _simplices: NDArray[np.int32] = field(repr=False)
+    _closed_patches: tuple[int, int] | None = field(repr=False)
 
     @property
     def num_vertices(self) -> int:
         """Vertices that some simplex uses."""
         return self.num_simplices[0]
+
+    @property
+    def betti_numbers(self) -> tuple[int, ...]:
+        """Betti numbers of dimension 0 to K over Z2; computed when first asked for."""
+        return self._homology[0]
+
+    @property
+    def betti_numbers_mod3(self) -> tuple[int, ...]:
+        """The same over Z3; where they differ there is 2-torsion."""
+        return self._homology[1]
+
+    @functools.cached_property
+    def _homology(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
+        """Over Z2 and Z3; by counting where that settles it, else by GUDHI."""
+        if len(self._simplices) == 0:
+            return (0,) * (self.dim + 1), (0,) * (self.dim + 1)
+        components, euler = self.components, self.euler_characteristic
+        if self.dim == 1:
+            graph = (components, components - euler)
+            return graph, graph
+        if self.dim == 2 and self._closed_patches is not None:
+            # Closed patches carry the second homology, orientable ones outside Z2.
+            over_2, over_3 = (
+                (components, components + b - euler, b) for b in self._closed_patches
+            )
+            return over_2, over_3
+        tree = _simplex_tree(self._simplices)
+        return _homology(tree, self.dim, 2), _homology(tree, self.dim, 3)
 
 
 def compute_topology(
@@ -95,7 +120,6 @@ def compute_topology(
             simplices, num_vertices, check_num_threads(num_threads), callback
         )
     dim = simplices.shape[1] - 1
-    betti_2, betti_3 = _betti_numbers(simplices, dim, counts)
     singular = counts["singular_vertices"]
     if dim >= 4:
         singular = _singular_by_homology(simplices, singular)
@@ -104,8 +128,6 @@ def compute_topology(
         num_simplices=tuple(int(n) for n in counts["face_counts"]),
         components=counts["components"],
         euler_characteristic=counts["euler_characteristic"],
-        betti_numbers=betti_2,
-        betti_numbers_mod3=betti_3,
         manifold=len(simplices) > 0 and len(singular) == 0,
         closed=counts["closed"],
         orientable=len(simplices) > 0 and counts["orientable"],
@@ -115,27 +137,13 @@ def compute_topology(
             if number > 0
         },
         singular_vertices=singular,
+        _simplices=simplices,
+        _closed_patches=(
+            (counts["closed_patches"], counts["closed_orientable_patches"])
+            if counts["pseudomanifold"]
+            else None
+        ),
     )
-
-
-def _betti_numbers(
-    simplices: NDArray[np.int32], dim: int, counts: dict[str, Any]
-) -> tuple[tuple[int, ...], tuple[int, ...]]:
-    """Over Z2 and Z3; by counting where that settles it, else by GUDHI."""
-    if len(simplices) == 0:
-        return (0,) * (dim + 1), (0,) * (dim + 1)
-    components: int = counts["components"]
-    euler: int = counts["euler_characteristic"]
-    if dim == 1:
-        graph = (components, components - euler)
-        return graph, graph
-    if dim == 2 and counts["pseudomanifold"]:
-        # Closed patches carry the second homology, orientable ones outside Z2.
-        tops = (counts["closed_patches"], counts["closed_orientable_patches"])
-        over_2, over_3 = ((components, components + b - euler, b) for b in tops)
-        return over_2, over_3
-    tree = _simplex_tree(simplices)
-    return _homology(tree, dim, 2), _homology(tree, dim, 3)
 
 
 def _simplex_tree(simplices: NDArray[np.int32]) -> Any:
@@ -146,9 +154,9 @@ def _simplex_tree(simplices: NDArray[np.int32]) -> Any:
     return tree
 
 
-def _homology(tree: Any, dim: int, field: int) -> tuple[int, ...]:
+def _homology(tree: Any, dim: int, modulus: int) -> tuple[int, ...]:
     tree.compute_persistence(
-        homology_coeff_field=field, min_persistence=-1.0, persistence_dim_max=True
+        homology_coeff_field=modulus, min_persistence=-1.0, persistence_dim_max=True
     )
     betti = [int(b) for b in tree.betti_numbers()]
     return tuple((betti + [0] * (dim + 1))[: dim + 1])
@@ -169,8 +177,8 @@ def _singular_by_homology(
         star = simplices[order[start:end] // arity]
         link = star[star != vertex].reshape(len(star), arity - 1)
         tree = _simplex_tree(link)
-        for field in (2, 3):
-            betti = _homology(tree, arity - 2, field)
+        for modulus in (2, 3):
+            betti = _homology(tree, arity - 2, modulus)
             if betti[0] != 1 or any(betti[1:-1]) or betti[-1] > 1:
                 bad.add(int(vertex))
     return np.array(sorted(bad), dtype=np.int32)

@@ -13,6 +13,7 @@ The last section draws the samples that the comparisons run on.
 """
 
 from collections.abc import Iterator, Sequence
+from fractions import Fraction
 from functools import cache
 from itertools import combinations
 from typing import NamedTuple
@@ -50,7 +51,9 @@ def points_from_distances(distances: Floats) -> Floats:
 def representatives(points: Floats) -> Ints:
     """Index of the first sample that coincides with each one."""
     first: dict[tuple[float, ...], int] = {}
-    return np.array([first.setdefault(tuple(p), i) for i, p in enumerate(points.tolist())])
+    return np.array(
+        [first.setdefault(tuple(p), i) for i, p in enumerate(points.tolist())]
+    )
 
 
 def others(points: Floats, x: int) -> Ints:
@@ -240,6 +243,36 @@ def local_region(points: Floats, x: int, basis: Floats) -> Region:
     return Region(np.sort(bisected[vertices]), star, unbounded, radius)
 
 
+def exact_edge_set(points: Floats, x: int, basis: Floats) -> Ints:
+    """ES(x) for K = 2 in rational arithmetic: no tie and no scale is out of reach."""
+
+    def exact(row: Floats) -> list[Fraction]:
+        return [Fraction(value) for value in row.tolist()]
+
+    def dot(a: list[Fraction], b: list[Fraction]) -> Fraction:
+        return sum((s * t for s, t in zip(a, b, strict=True)), Fraction(0))
+
+    center, (first, second) = exact(points[x]), map(exact, basis)
+    duals = {(Fraction(0), Fraction(0)): -1}
+    for q in others(points, x).tolist():
+        alpha = [s - t for s, t in zip(exact(points[q]), center, strict=True)]
+        delta = dot(alpha, alpha) / 2
+        duals.setdefault((dot(first, alpha) / delta, dot(second, alpha) / delta), q)
+
+    found: set[int] = set()
+    for points_of_chain in (sorted(duals), sorted(duals, reverse=True)):
+        hull: list[tuple[Fraction, Fraction]] = []
+        for u, v in points_of_chain:
+            while len(hull) > 1:
+                (a, b), (c, d) = hull[-2:]
+                if (c - a) * (v - b) > (d - b) * (u - a):
+                    break
+                hull.pop()
+            hull.append((u, v))
+        found.update(duals[p] for p in hull)
+    return np.array(sorted(found - {-1}), np.int64)
+
+
 def local_regions(
     points: Floats, bases: Floats, boundary: Bools | None = None
 ) -> list[Region | None]:
@@ -385,5 +418,5 @@ def draw_sample(
         if family == "clusters":
             points = 0.05 * points + rng.normal(size=(4, ambient))[np.arange(num) % 4]
         elif family == "scales":
-            points *= 10 ** rng.uniform(-2, 1, (num, 1))
+            points *= 10 ** rng.uniform(-4, 0, (num, 1))
     return embedded(points, ambient, rng)

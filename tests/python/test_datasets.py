@@ -187,8 +187,9 @@ def test_known_euler_characteristics():
 
 
 def test_tables_are_complete():
-    helpers = {"FIGURES", "SHAPES", "RandomState", "Shape", "add_noise", "embed"}
-    assert set(datasets.__all__) - helpers - {"spread"} == set(SHAPES)
+    others = {"FIGURES", "SHAPES", "RandomState", "Shape"}
+    others |= {"add_noise", "embed", "figure_samples", "spread"}
+    assert set(datasets.__all__) - others == set(SHAPES)
     assert set(EQUATIONS) == set(SHAPES)
     assert set(FIGURES) == set(range(3, 10))
     assert set(FIGURES.values()) <= set(SHAPES)
@@ -322,6 +323,32 @@ def test_grid_torus_has_cyclic_quadrilaterals():
     assert 0 < distance.max() < 1e-2
     with pytest.raises(ValueError, match="a multiple of num_around = 48, got 50"):
         datasets.grid_torus(50)
+
+
+def test_staggered_rows():
+    points = datasets.grid_torus(480, num_around=40, staggered=True).reshape(40, 12, 3)
+    angle = np.arctan2(points[..., 1], points[..., 0])
+    np.testing.assert_allclose(angle[3, ::2], 2 * np.pi * 3 / 40, rtol=1e-12)
+    np.testing.assert_allclose(angle[3, 1::2], 2 * np.pi * 3.5 / 40, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("number", "count"),
+    [(3, 120), (4, 320), (5, 320), (6, 120), (7, 3338), (8, 2160), (9, 960)],
+)
+def test_samples_of_the_figures(number, count):
+    shape = SHAPES[FIGURES[number]]
+    points = datasets.figure_samples(number)
+    assert points.shape == (count, shape.ambient_dim)
+    np.testing.assert_allclose(EQUATIONS[FIGURES[number]](points), 0.0, atol=1e-7)
+    np.testing.assert_array_equal(datasets.figure_samples(number), points)
+    nearest = np.sort(NORM(points[:, None] - points[:500], axis=2), axis=0)[1]
+    assert nearest.min() > 0.25 * nearest.max()  # evenly
+
+
+def test_figures_that_do_not_exist():
+    with pytest.raises(ValueError, match="one of the figures 3 to 9, got 2"):
+        datasets.figure_samples(2)
 
 
 def test_noise():

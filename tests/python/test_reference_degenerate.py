@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from scipy.spatial import ConvexHull, Delaunay
+from scipy.spatial.distance import cdist
 
 import reference as ref
 import remanifold as rm
@@ -49,9 +50,10 @@ def embeddings(dim):
 # --- Few, coinciding, dependent -------------------------------------------------
 
 
-@pytest.mark.parametrize("num", [1, 2, 3, 5])
+@pytest.mark.parametrize("extra", [1, 2, 20])
 @pytest.mark.parametrize("dim", [1, 2, 3])
-def test_all_samples_coincide(num, dim):
+def test_all_samples_coincide(extra, dim):
+    num = dim + extra
     result = reconstruct(np.full((num, 3), 0.1), dim)
     assert result.simplices.shape == (0, dim + 1)
     assert result.edges.shape == (0, 2)
@@ -64,7 +66,7 @@ def test_all_samples_coincide(num, dim):
 @pytest.mark.parametrize("dim", [1, 2, 3])
 def test_fewer_samples_than_neighbors(dim):
     points = np.random.default_rng(dim).normal(size=(30, 4))
-    for num in range(1, 4 * dim + 4):
+    for num in range(dim + 1, 4 * dim + 4):
         result = reconstruct(points[:num], dim)
         expected = ref.reconstruct(points[:num], dim)
         found = rm.neighborhoods(points[:num], 10 * dim)
@@ -77,12 +79,21 @@ def test_fewer_samples_than_neighbors(dim):
 
 
 @pytest.mark.parametrize("dim", [1, 2])
-def test_copies_change_nothing_and_are_mapped_back(dim):
+@pytest.mark.parametrize("kind", ["points", "gram", "distances"])
+def test_copies_change_nothing_and_are_mapped_back(dim, kind):
     rng = np.random.default_rng(dim)
     points = ref.draw_sample("sphere", 80, dim, 5, rng)
     which = rng.permutation(np.repeat(np.arange(80), rng.integers(1, 4, 80)))
     _, first = np.unique(which, return_index=True)
-    single, copied = reconstruct(points, dim), reconstruct(points[which], dim)
+
+    def known_by(points):
+        if kind == "points":
+            return {"points": points}
+        matrix = points @ points.T if kind == "gram" else cdist(points, points)
+        return {kind: matrix}
+
+    single = rm.reconstruct(**known_by(points), dim=dim, method="paper")
+    copied = rm.reconstruct(**known_by(points[which]), dim=dim, method="paper")
     np.testing.assert_array_equal(copied.representatives, first[which])
     np.testing.assert_array_equal(copied.boundary, single.boundary[which])
     np.testing.assert_array_equal(
@@ -90,9 +101,10 @@ def test_copies_change_nothing_and_are_mapped_back(dim):
     )
     expected = np.sort(first[single.simplices], axis=1)
     assert simplex_set(copied.simplices) == simplex_set(expected)
-    near, near_copied = rm.neighborhoods(points, 9), rm.neighborhoods(points[which], 9)
+    near = rm.neighborhoods(num_neighbors=9, **known_by(points))
+    near_copied = rm.neighborhoods(num_neighbors=9, **known_by(points[which]))
     np.testing.assert_array_equal(near_copied.indices, first[near.indices[which]])
-    np.testing.assert_array_equal(near_copied.distances, near.distances[which])
+    np.testing.assert_allclose(near_copied.distances, near.distances[which], rtol=1e-12)
 
 
 def test_zeros_of_either_sign_coincide():
@@ -201,7 +213,9 @@ def test_corners_of_a_cube_tie_all_at_once(dim):
     corners = np.argwhere(np.ones((2,) * dim)).astype(float)
     frames = np.broadcast_to(np.eye(dim), (len(corners), dim, dim))
     simplices = agreed(rm.local_regions(corners, frames).stars, dim)
-    np.testing.assert_allclose(volumes(corners, simplices).sum(), np.prod(1 + np.arange(dim)))
+    np.testing.assert_allclose(
+        volumes(corners, simplices).sum(), np.prod(1 + np.arange(dim))
+    )
     assert most_cofaces(simplices) <= 2
 
 
@@ -229,7 +243,9 @@ def test_samples_straight_above_do_not_cut():
     flat = np.random.default_rng(4).normal(size=(60, 2))
     frames = np.broadcast_to(np.eye(2), (60, 2, 2))
     single = rm.edge_sets(flat, frames)
-    layers = np.vstack([np.pad(flat, [(0, 0), (0, 1)], constant_values=z) for z in (0, 1)])
+    layers = np.vstack(
+        [np.pad(flat, [(0, 0), (0, 1)], constant_values=z) for z in (0, 1)]
+    )
     stacked = rm.edge_sets(layers, np.broadcast_to(np.eye(2, 3), (120, 2, 3)))
     np.testing.assert_array_equal(stacked.offsets[:61], single.offsets)
     end = single.offsets[-1]

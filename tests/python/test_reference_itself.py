@@ -6,8 +6,9 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-import reference as ref
 import scipy.spatial
+
+import reference as ref
 
 
 def test_tied_neighbors_come_by_index_and_copies_as_one():
@@ -86,6 +87,15 @@ def test_regions_in_their_own_space_are_dual_to_delaunay(dim):
         assert region.unbounded == (x in delaunay.convex_hull)
     expected = np.unique(np.sort(delaunay.simplices, axis=1), axis=0)
     np.testing.assert_array_equal(ref.agreed(regions, dim), expected)
+
+
+def test_edge_sets_in_rational_arithmetic():
+    rng = np.random.default_rng(11)
+    points = rng.normal(size=(40, 5))
+    frames = np.linalg.qr(rng.normal(size=(40, 5, 2)))[0].transpose(0, 2, 1)
+    for x, region in enumerate(ref.local_regions(points, frames)):
+        exact = ref.exact_edge_set(points, x, frames[x])
+        np.testing.assert_array_equal(region.edge_set, exact)
 
 
 @pytest.mark.parametrize("dim", [1, 2, 3, 4])

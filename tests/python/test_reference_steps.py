@@ -125,19 +125,20 @@ def compare_regions(points, bases, boundary, tally):
         if region is None:
             continue
         tally["regions"] += 1
-        others = ref.others(points, x)
-        duals = ref.dual_points(points, x, bases[x])
         disputed = np.setxor1d(edge_sets[x], region.edge_set)
-        for q in disputed:
-            margin = ref.binding_margin(duals, np.searchsorted(others, q))
-            assert abs(margin) < TIE, (x, q, margin)
-        simplices = {*map(tuple, stars[x].tolist())} ^ {*map(tuple, region.star.tolist())}
-        for simplex in simplices:
-            assert simplex[0] == x
-            facet = np.searchsorted(others, simplex[1:])
-            margin = ref.facet_margin(duals, facet)
-            assert abs(margin) < TIE, (x, simplex, margin)
+        simplices = {*map(tuple, stars[x].tolist())} ^ {
+            *map(tuple, region.star.tolist())
+        }
         if len(disputed) or simplices:
+            duals, samples = ref.dual_points(points, x, bases[x]), ref.others(points, x)
+            for q in disputed:
+                margin = ref.binding_margin(duals, np.searchsorted(samples, q))
+                assert abs(margin) < TIE, (x, q, margin)
+            for simplex in simplices:
+                assert simplex[0] == x
+                facet = np.searchsorted(samples, simplex[1:])
+                margin = ref.facet_margin(duals, facet)
+                assert abs(margin) < TIE, (x, simplex, margin)
             tally["regions tied"] += 1
             continue
         assert found.unbounded[x] == region.unbounded, x
@@ -145,10 +146,9 @@ def compare_regions(points, bases, boundary, tally):
     return expected
 
 
-def random_frames(case):
+def random_frames(num, dim, ambient, seed):
     """A tangent space in any direction at any sample: many regions are unbounded."""
-    rng = np.random.default_rng(case.seed)
-    normal = rng.normal(size=(case.num, case.ambient, case.dim))
+    normal = np.random.default_rng(seed).normal(size=(num, ambient, dim))
     return np.linalg.qr(normal)[0].transpose(0, 2, 1)
 
 
@@ -173,7 +173,9 @@ def compare_complexes(case, points, tangents, regions, tally):
         np.testing.assert_array_equal(whole.edges, pairs)
         np.testing.assert_array_equal(whole.boundary, tangents.boundary)
         np.testing.assert_array_equal(whole.tangent_simplices, tangents.simplices)
-        np.testing.assert_array_equal(whole.representatives, ref.representatives(points))
+        np.testing.assert_array_equal(
+            whole.representatives, ref.representatives(points)
+        )
         edge_sets, stars = rows(whole.edge_sets), rows(whole.stars)
         for x, region in enumerate(regions):
             if region is not None:
@@ -196,7 +198,8 @@ def test_steps_follow_the_definitions(dim):
         tangents = compare_tangents(case, points, nbds, tally)
         regions = compare_regions(points, tangents.bases, tangents.boundary, tally)
         compare_complexes(case, points, tangents, regions, tally)
-        compare_regions(points, random_frames(case), None, tally)
+        frames = random_frames(case.num, dim, case.ambient, case.seed)
+        compare_regions(points, frames, None, tally)
         total.update(tally)
 
     compare()
@@ -224,6 +227,20 @@ def test_cliques_of_random_graphs(dim):
                 found = rm.clique_complex(*as_csr(sets), dim, edges)
                 assert found.dtype == np.int32
                 np.testing.assert_array_equal(found, expected)
+
+
+@pytest.mark.parametrize("ambient", [2, 3, 20])
+@pytest.mark.parametrize("decades", [3, 6, 9])
+def test_regions_among_all_scales_are_exact(ambient, decades):
+    rng = np.random.default_rng([ambient, decades])
+    for _ in range(3):
+        points = rng.normal(size=(40, ambient))
+        points *= 10 ** rng.uniform(-decades, 0, size=(40, 1))
+        frames = random_frames(40, 2, ambient, rng)
+        edge_sets = rows(rm.edge_sets(points, frames))
+        for x in range(40):
+            expected = ref.exact_edge_set(points, x, frames[x])
+            np.testing.assert_array_equal(edge_sets[x], expected)
 
 
 @pytest.mark.parametrize(

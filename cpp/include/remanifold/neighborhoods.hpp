@@ -47,6 +47,13 @@ class NeighborSearch {
     /// squared distance, then by input number.
     virtual void nearest(Index x, Index count, double squared_radius,
                          std::vector<Neighbor>& out) = 0;
+    /// The same for any point of R^D in canonical coordinates, where the search can do
+    /// that faster than by looking at all samples.
+    /// \returns false where it cannot
+    virtual bool nearest_to(const double* /*position*/, Index /*count*/,
+                            double /*squared_radius*/, std::vector<Neighbor>& /*out*/) {
+      return false;
+    }
   };
 
   /// The samples must outlive the search.

@@ -7,8 +7,6 @@ namespace {
 
 class Interval final : public ConvexHull {
  public:
-  void clear() override { low_ = high_ = {0.0, kOrigin}; }
-
   void insert(const double* point, Index id) override {
     if (*point < low_.position) {
       low_ = {*point, id};
@@ -18,27 +16,24 @@ class Interval final : public ConvexHull {
   }
 
   void update() override {
-    full_dimensional_ = low_.position < high_.position;
-    facets_.clear();
+    facets_.assign({low_.id, high_.id});
     vertices_.clear();
-    if (!full_dimensional_) {
-      return;
-    }
-    for (const End& end : {low_, high_}) {
-      facets_.push_back(end.id);
-      if (end.id != kOrigin) {
-        vertices_.push_back(end.id);
+    for (const Index id : facets_) {
+      if (!is_start(id)) {
+        vertices_.push_back(id);
       }
     }
   }
 
  private:
+  void clear() override { low_ = high_ = {0.0, start_id(0)}; }
+
   struct End {
     double position;
     Index id;
   };
-  End low_{0.0, kOrigin};
-  End high_{0.0, kOrigin};
+  End low_{};
+  End high_{};
 };
 
 }  // namespace

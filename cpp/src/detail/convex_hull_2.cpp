@@ -19,11 +19,6 @@ using Traits = CGAL::Convex_hull_traits_adapter_2<Kernel, PointMap>;
 
 class Polygon final : public ConvexHull {
  public:
-  void clear() override {
-    points_.assign(1, Point(0, 0));
-    ids_.assign(1, kOrigin);
-  }
-
   void insert(const double* point, Index id) override {
     points_.emplace_back(point[0], point[1]);
     ids_.push_back(id);
@@ -37,28 +32,30 @@ class Polygon final : public ConvexHull {
     hull_.clear();
     CGAL::ch_graham_andrew(order_.begin(), order_.end(), std::back_inserter(hull_),
                            Traits(CGAL::make_property_map(points_)));
-    full_dimensional_ = hull_.size() > 2;
     facets_.clear();
     vertices_.clear();
-    kept_points_.assign(1, Point(0, 0));
-    kept_ids_.assign(1, kOrigin);
+    kept_points_.clear();
+    kept_ids_.clear();
     for (std::size_t i = 0; i < hull_.size(); ++i) {
       const Index id = ids_[hull_[i]];
-      if (full_dimensional_) {
-        facets_.push_back(id);
-        facets_.push_back(ids_[hull_[(i + 1) % hull_.size()]]);
-      }
-      if (id != kOrigin) {
+      facets_.push_back(id);
+      facets_.push_back(ids_[hull_[(i + 1) % hull_.size()]]);
+      if (!is_start(id)) {
         vertices_.push_back(id);
-        kept_points_.push_back(points_[hull_[i]]);
-        kept_ids_.push_back(id);
       }
+      kept_points_.push_back(points_[hull_[i]]);
+      kept_ids_.push_back(id);
     }
     points_.swap(kept_points_);
     ids_.swap(kept_ids_);
   }
 
  private:
+  void clear() override {
+    points_.clear();
+    ids_.clear();
+  }
+
   std::vector<Point> points_;
   std::vector<Index> ids_;
   std::vector<Point> kept_points_;

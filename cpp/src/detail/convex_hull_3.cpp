@@ -17,53 +17,51 @@ using Triangulation =
 
 class Polyhedron final : public ConvexHull {
  public:
-  void clear() override {
-    triangulation_.clear();
-    last_ = triangulation_.insert(Kernel::Point_3(0, 0, 0));
-    last_->info() = kOrigin;
-  }
-
   void insert(const double* point, Index id) override {
     const Kernel::Point_3 p(point[0], point[1], point[2]);
     Triangulation::Locate_type type{};
     int i = 0;
     int j = 0;
-    const auto cell = triangulation_.locate(p, type, i, j, last_->cell());
+    const auto cell = triangulation_.locate(p, type, i, j, hint_);
+    hint_ = cell;
     if (type == Triangulation::OUTSIDE_CONVEX_HULL ||
         type == Triangulation::OUTSIDE_AFFINE_HULL) {
-      last_ = triangulation_.insert(p, type, cell, i, j);
-      last_->info() = id;
+      const auto vertex = triangulation_.insert(p, type, cell, i, j);
+      vertex->info() = id;
+      hint_ = vertex->cell();
     }
   }
 
   void update() override {
     facets_.clear();
     vertices_.clear();
-    full_dimensional_ = triangulation_.dimension() == 3;
     const auto infinite = triangulation_.infinite_vertex();
-    if (full_dimensional_) {
-      cells_.clear();
-      triangulation_.incident_cells(infinite, std::back_inserter(cells_));
-      for (const auto& cell : cells_) {
-        for (int i = 0; i < 4; ++i) {
-          if (cell->vertex(i) != infinite) {
-            facets_.push_back(cell->vertex(i)->info());
-          }
+    cells_.clear();
+    triangulation_.incident_cells(infinite, std::back_inserter(cells_));
+    for (const auto& cell : cells_) {
+      for (int i = 0; i < 4; ++i) {
+        if (cell->vertex(i) != infinite) {
+          facets_.push_back(cell->vertex(i)->info());
         }
       }
     }
     neighbors_.clear();
     triangulation_.finite_adjacent_vertices(infinite, std::back_inserter(neighbors_));
     for (const auto& vertex : neighbors_) {
-      if (vertex->info() != kOrigin) {
+      if (!is_start(vertex->info())) {
         vertices_.push_back(vertex->info());
       }
     }
   }
 
  private:
+  void clear() override {
+    triangulation_.clear();
+    hint_ = Triangulation::Cell_handle();
+  }
+
   Triangulation triangulation_;
-  Triangulation::Vertex_handle last_;
+  Triangulation::Cell_handle hint_;
   std::vector<Triangulation::Cell_handle> cells_;
   std::vector<Triangulation::Vertex_handle> neighbors_;
 };

@@ -24,48 +24,37 @@ class Polytope final : public ConvexHull {
  public:
   explicit Polytope(int dim) : dim_(dim), triangulation_(dim) {}
 
-  void clear() override {
-    triangulation_.clear();
-    const std::vector<double> zero(dim_, 0.0);
-    insert_outside(Point(dim_, zero.begin(), zero.end()), kOrigin);
-  }
-
   void insert(const double* point, Index id) override {
     const Point p(dim_, point, point + dim_);
     typename Triangulation::Locate_type type{};
     typename Triangulation::Face face(triangulation_.maximal_dimension());
     typename Triangulation::Facet facet;
-    const auto cell = triangulation_.locate(p, type, face, facet, last_);
+    const auto cell = triangulation_.locate(p, type, face, facet, hint_);
     if (type == Triangulation::OUTSIDE_CONVEX_HULL ||
         type == Triangulation::OUTSIDE_AFFINE_HULL) {
-      last_ = triangulation_.insert(p, type, face, facet, cell);
-      last_->data() = id;
+      const auto vertex = triangulation_.insert(p, type, face, facet, cell);
+      vertex->data() = id;
+      hint_ = vertex->full_cell();
+    } else {
+      hint_ = cell;
     }
   }
 
   void update() override {
     facets_.clear();
     vertices_.clear();
-    const int dim = triangulation_.current_dimension();
-    full_dimensional_ = dim == dim_;
-    if (dim < 1) {
-      return;
-    }
     cells_.clear();
     triangulation_.incident_full_cells(triangulation_.infinite_vertex(),
                                        std::back_inserter(cells_));
     for (const auto& cell : cells_) {
-      for (int i = 0; i <= dim; ++i) {
+      for (int i = 0; i <= dim_; ++i) {
         const auto vertex = cell->vertex(i);
         if (triangulation_.is_infinite(vertex)) {
           continue;
         }
-        const Index id = vertex->data();
-        if (full_dimensional_) {
-          facets_.push_back(id);
-        }
-        if (id != kOrigin) {
-          vertices_.push_back(id);
+        facets_.push_back(vertex->data());
+        if (!is_start(vertex->data())) {
+          vertices_.push_back(vertex->data());
         }
       }
     }
@@ -74,14 +63,14 @@ class Polytope final : public ConvexHull {
   }
 
  private:
-  void insert_outside(const Point& p, Index id) {
-    last_ = triangulation_.insert(p);
-    last_->data() = id;
+  void clear() override {
+    triangulation_.clear();
+    hint_ = triangulation_.infinite_full_cell();
   }
 
   int dim_;
   Triangulation triangulation_;
-  typename Triangulation::Vertex_handle last_;
+  typename Triangulation::Full_cell_handle hint_;
   std::vector<typename Triangulation::Full_cell_handle> cells_;
 };
 

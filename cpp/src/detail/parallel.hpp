@@ -5,9 +5,12 @@
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
 
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
+#include <tbb/global_control.h>
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/partitioner.h>
 #include <tbb/task_arena.h>
@@ -36,6 +39,11 @@ void for_each_block(Offset count, Offset block, const Execution& execution,
       run(b);
     }
     return;
+  }
+  std::optional<tbb::global_control> more_than_cores;
+  if (execution.num_threads > tbb::info::default_concurrency()) {
+    more_than_cores.emplace(tbb::global_control::max_allowed_parallelism,
+                            execution.num_threads);
   }
   tbb::task_arena arena(execution.num_threads > 0 ? execution.num_threads
                                                   : tbb::task_arena::automatic);

@@ -21,9 +21,22 @@ constexpr double kTieWeight = 1e-10;
 /// straight above the sample: its halfspace holds the whole tangent space.
 constexpr double kVacuousSquaredSine = 1e-24;
 
+/// A corner is none where the unit normals of its halfspaces span a volume below this: the
+/// simplex is flat in the tangent space, as those on the face of a grid are, and rounding
+/// decides where its bisectors meet.
+constexpr double kFlatSimplex = 1e-10;
+
 /// Slack of the filter that passes over halfspaces which cannot cut; the exact hull
 /// decides on whatever the filter lets through.
 constexpr double kRedundantSlack = 1e-6;
+
+/// Error of a corner in units of its distance, times the volume of kFlatSimplex.
+constexpr double kCornerError = 1e-13;
+
+/// A local region is cut off at this many nearest-neighbor distances; what reaches so far
+/// has no end. Decides ties at infinity, where the bisectors of a straight row of samples
+/// are parallel up to rounding.
+constexpr double kEndOfRegion = 1e9;
 
 /// Slack of the security radius, for rounding and tie-breaking weights.
 constexpr double kSecuritySlack = 1e-6;

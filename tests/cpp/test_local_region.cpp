@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+
+#include <Eigen/Dense>
+#include <gtest/gtest.h>
+
+#include "support.hpp"
+
+namespace remanifold {
+namespace {
+
+using testing::Cloud;
+
+struct Computed {
+  Samples samples;
+  TangentSpaces tangents;
+  LocalRegions regions;
+};
+
+Computed regions_of(const Cloud& cloud, int dim, Estimator estimator = Estimator::kPca,
+                    SearchMethod method = SearchMethod::kAuto, Index count = 0) {
+  Computed result{Samples::from_points(cloud.view()), {}, {}};
+  const NeighborSearch search(result.samples, {method});
+  const Neighborhoods neighborhoods = find_neighborhoods(
+      result.samples, search, count > 0 ? count : std::max(10 * dim, 20));
+  const TangentOptions options{dim, std::max(dim + 1, 10 * dim), estimator};
+  result.tangents = compute_tangent_spaces(result.samples, neighborhoods, options);
+  result.regions =
+      compute_local_regions(result.samples, search, neighborhoods, result.tangents);
+  return result;
+}
+
+/// Corners of each region by their stars must be at the same distance from x and the K
+/// other vertices, and nearer to none: what defines them, over all samples.
+void expect_empty_balls(const Computed& c) {
+  const int dim = c.regions.dim;
+  const int ambient_dim = c.samples.ambient_dim();
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  for (Index x = 0; x < c.samples.size(); ++x) {
+    if (c.tangents.boundary[x] != 0) {
+      continue;
+    }
+    const Eigen::Map<const Rows> basis(
+        c.tangents.bases.data() + static_cast<Offset>(x) * dim * ambient_dim, dim,
+        ambient_dim);
+    const Eigen::Map<const Eigen::VectorXd> px(c.samples.point(x), ambient_dim);
+    const auto difference = [&](Index q) -> Eigen::VectorXd {
+      return Eigen::Map<const Eigen::VectorXd>(c.samples.point(q), ambient_dim) - px;
+    };
+    double largest = 0;
+    for (Offset s = c.regions.star_offsets[x]; s < c.regions.star_offsets[x + 1]; ++s) {
+      Eigen::MatrixXd normals(dim, dim);
+      Eigen::VectorXd offsets(dim);
+      for (int k = 0; k < dim; ++k) {
+        const Eigen::VectorXd d = difference(c.regions.stars[s * dim + k]);
+        normals.row(k) = (basis * d).transpose();
+        offsets[k] = d.squaredNorm() / 2;
+      }
+      const Eigen::VectorXd corner = normals.fullPivLu().solve(offsets);
+      const double radius = corner.squaredNorm();
+      largest = std::max(largest, radius);
+      for (Index q = 0; q < c.samples.size(); ++q) {
+        const double distance = (difference(q) - basis.transpose() * corner).squaredNorm();
+        ASSERT_GT(distance, radius * (1 - 1e-6) - 1e-9) << "sample " << x;
+      }
+    }
+    if (c.regions.squared_radii[x] < std::numeric_limits<double>::infinity()) {
+      EXPECT_NEAR(c.regions.squared_radii[x], largest, 1e-6 * largest);
+    }
+  }
+}
+
+TEST(LocalRegions, CornersAreEmptyBalls) {
+  for (int dim = 1; dim <= 4; ++dim) {
+    expect_empty_balls(regions_of(testing::sphere(dim < 4 ? 250 : 120, dim, dim), dim));
+  }
+  // No manifold at all.
+  expect_empty_balls(regions_of(testing::gaussian(150, 5, 1), 2));
+  expect_empty_balls(regions_of(testing::gaussian(150, 5, 2), 3));
+  expect_empty_balls(regions_of(testing::gaussian(60, 25, 3), 2));
+}
+
+TEST(LocalRegions, HigherDimensions) {
+  for (int dim = 5; dim <= 6; ++dim) {
+    const Computed c = regions_of(testing::sphere(60, dim, dim), dim);
+    expect_empty_balls(c);
+    EXPECT_GT(c.regions.star_offsets.back(), 60);
+  }
+}
+
+TEST(LocalRegions, DoNotDependOnTheSearchNorOnHowManyNeighborsAreKnown) {
+  for (int dim = 1; dim <= 4; ++dim) {
+    const Cloud cloud = testing::gaussian(200, dim + 1, 10 + dim);
+    const Computed reference = regions_of(cloud, dim, Estimator::kPca,
+                                          SearchMethod::kKdTree, 199);
+    for (const SearchMethod method : {SearchMethod::kKdTree, SearchMethod::kBruteForce}) {
+      const Computed other = regions_of(cloud, dim, Estimator::kPca, method, 10 * dim);
+      EXPECT_EQ(other.regions.edge_sets.offsets, reference.regions.edge_sets.offsets);
+      EXPECT_EQ(other.regions.edge_sets.indices, reference.regions.edge_sets.indices);
+      EXPECT_EQ(other.regions.star_offsets, reference.regions.star_offsets);
+    }
+  }
+}
+
+TEST(LocalRegions, TiltedTangentSpacesReachAcross) {
+  // A circle of many samples whose tangents are replaced by its normals: every region is
+  // a diameter long, and only samples on the far side bound it.
+  const int n = 2000;
+  Cloud cloud{{}, 2};
+  for (int i = 0; i < n; ++i) {
+    const double angle = 6.283185307179586 * (i + 0.3 * std::sin(17.0 * i)) / n;
+    cloud.points.push_back(std::cos(angle));
+    cloud.points.push_back(std::sin(angle));
+  }
+  const Samples samples = Samples::from_points(cloud.view());
+  TangentSpaces tangents;
+  tangents.dim = 1;
+  tangents.boundary.assign(n, 0);
+  for (Index i = 0; i < n; ++i) {
+    tangents.bases.push_back(samples.point(i)[0] * samples.scale());
+    tangents.bases.push_back(samples.point(i)[1] * samples.scale());
+  }
+  std::vector<Csr> edge_sets;
+  for (const SearchMethod method : {SearchMethod::kKdTree, SearchMethod::kBruteForce}) {
+    const NeighborSearch search(samples, {method});
+    const Neighborhoods neighborhoods = find_neighborhoods(samples, search, 10);
+    const LocalRegions regions =
+        compute_local_regions(samples, search, neighborhoods, tangents);
+    for (Index i = 0; i < n; ++i) {
+      EXPECT_EQ(regions.squared_radii[i], std::numeric_limits<double>::infinity());
+      ASSERT_EQ(regions.edge_sets.size(i), 1);
+    }
+    edge_sets.push_back(regions.edge_sets);
+  }
+  EXPECT_EQ(edge_sets[0].indices, edge_sets[1].indices);
+}
+
+TEST(LocalRegions, EndsOfALineAreUnbounded) {
+  const Cloud cloud{{0, 1, 3, 6}, 1};
+  const Computed c = regions_of(cloud, 1);
+  const std::vector<Index> canonical = c.samples.canonical_indices();
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(c.regions.squared_radii[canonical[0]], infinity);
+  EXPECT_EQ(c.regions.squared_radii[canonical[3]], infinity);
+  EXPECT_NEAR(std::sqrt(c.regions.squared_radii[canonical[1]]) * c.samples.scale(), 1.0,
+              1e-8);
+  EXPECT_EQ(c.regions.edge_sets.size(canonical[0]), 1);
+  EXPECT_EQ(c.regions.edge_sets.size(canonical[1]), 2);
+}
+
+/// Every star simplex is in the stars of all its vertices.
+void expect_agreement(const Computed& c) {
+  const int dim = c.regions.dim;
+  std::map<std::vector<Index>, int> votes;
+  for (Index x = 0; x < c.samples.size(); ++x) {
+    for (Offset s = c.regions.star_offsets[x]; s < c.regions.star_offsets[x + 1]; ++s) {
+      std::vector<Index> simplex(c.regions.stars.begin() + s * dim,
+                                 c.regions.stars.begin() + (s + 1) * dim);
+      simplex.push_back(x);
+      std::sort(simplex.begin(), simplex.end());
+      ++votes[simplex];
+    }
+  }
+  ASSERT_FALSE(votes.empty());
+  for (const auto& [simplex, count] : votes) {
+    EXPECT_EQ(count, dim + 1);
+  }
+}
+
+TEST(LocalRegions, TiesOfGridsAreBrokenAlike) {
+  expect_agreement(regions_of(testing::grid(12, 2), 2));
+  expect_agreement(regions_of(testing::grid(5, 3), 3));
+  expect_agreement(regions_of(testing::grid(3, 4), 4));
+  // Thirds are not doubles: near ties instead of ties.
+  Cloud thirds = testing::grid(12, 2);
+  for (double& x : thirds.points) {
+    x /= 3;
+  }
+  expect_agreement(regions_of(thirds, 2));
+  // All on one circle, and its center.
+  Cloud circle{{0, 0}, 2};
+  for (int i = 0; i < 40; ++i) {
+    circle.points.push_back(std::cos(6.283185307179586 * i / 40));
+    circle.points.push_back(std::sin(6.283185307179586 * i / 40));
+  }
+  expect_agreement(regions_of(circle, 2));
+}
+
+TEST(LocalRegions, CountsSamplesStraightAbove) {
+  // A sample exactly above x constrains nothing in the plane.
+  Cloud cloud = testing::grid(5, 2);
+  Cloud lifted{{}, 3};
+  for (Offset i = 0; i < cloud.size(); ++i) {
+    lifted.points.insert(lifted.points.end(), {cloud[i][0], cloud[i][1], 0.0});
+  }
+  lifted.points.insert(lifted.points.end(), {2, 2, 0.25});
+  const Samples samples = Samples::from_points(lifted.view());
+  const NeighborSearch search(samples);
+  const Neighborhoods neighborhoods = find_neighborhoods(samples, search, 20);
+  TangentSpaces tangents;
+  tangents.dim = 2;
+  tangents.boundary.assign(samples.size(), 0);
+  for (Index i = 0; i < samples.size(); ++i) {
+    tangents.bases.insert(tangents.bases.end(), {1, 0, 0, 0, 1, 0});
+  }
+  const LocalRegions regions =
+      compute_local_regions(samples, search, neighborhoods, tangents);
+  EXPECT_GE(regions.vacuous_constraints, 2);
+}
+
+TEST(TieWeights, AreTinyAndFixedByTheInputNumber) {
+  const Cloud cloud = testing::grid(6, 2);
+  const Samples samples = Samples::from_points(cloud.view());
+  const NeighborSearch search(samples);
+  const Neighborhoods neighborhoods = find_neighborhoods(samples, search, 4);
+  const std::vector<double> weights = tie_weights(samples, neighborhoods);
+  std::set<double> distinct(weights.begin(), weights.end());
+  EXPECT_EQ(distinct.size(), weights.size());
+  for (const double w : weights) {
+    EXPECT_GE(w, 0);
+    EXPECT_LE(w * samples.scale() * samples.scale(), 1e-10);
+  }
+}
+
+}  // namespace
+}  // namespace remanifold

@@ -1,0 +1,440 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command line: results, reports, exit codes, and what is left after a failure."""
+
+from __future__ import annotations
+
+import json
+import os
+import pty
+import signal
+import subprocess
+import sys
+import warnings
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import remanifold as rm
+from remanifold import cli
+from remanifold.io import read_points, write_mesh
+
+KEYS = {
+    *("input", "output", "method", "estimator", "edges", "search", "num_neighbors"),
+    *("num_samples", "ambient_dim", "dim", "num_simplices", "euler_characteristic"),
+    *("components", "betti_numbers", "manifold", "closed", "orientable"),
+    *("boundary_samples", "merged_samples", "unused_samples", "coface_counts"),
+    *("callous_faces", "unstarred_simplices", "holes", "singular_vertices", "seconds"),
+    "warnings",
+}
+
+
+def run(*arguments):
+    return CliRunner().invoke(cli.app, ["reconstruct", *map(str, arguments)])
+
+
+def run_process(*arguments, **options):
+    command = [sys.executable, "-m", "remanifold", *map(str, arguments)]
+    return subprocess.run(
+        command, capture_output=True, text=True, check=False, **options
+    )
+
+
+def run_on_terminal(*arguments, interrupt_at=None):
+    """Exit code, what the terminal shows, and standard output."""
+    terminal, standard_error = pty.openpty()
+    shown = b""
+    with subprocess.Popen(
+        [sys.executable, "-m", "remanifold", *map(str, arguments)],
+        stdout=subprocess.PIPE,
+        stderr=standard_error,
+        env=os.environ | {"TERM": "xterm", "COLUMNS": "80"},
+    ) as process:
+        os.close(standard_error)
+        while True:
+            try:
+                part = os.read(terminal, 1024)
+            except OSError:  # the other end is closed
+                break
+            shown += part
+            if interrupt_at is not None and interrupt_at in shown:
+                process.send_signal(signal.SIGINT)
+                interrupt_at = None
+        output, _ = process.communicate(timeout=60)
+    os.close(terminal)
+    return process.returncode, shown, output
+
+
+@pytest.fixture
+def tori(tmp_path):
+    path = tmp_path / "tori.npy"
+    np.save(path, rm.datasets.figure_samples(8))
+    return path
+
+
+@pytest.fixture
+def circle(tmp_path):
+    path = tmp_path / "circle.csv"
+    points = rm.datasets.spread(rm.datasets.circle(600, random_state=0), 60, 0)
+    np.savetxt(path, points, delimiter=",", header="x,y", comments="", fmt="%.17g")
+    return path
+
+
+# --------------------------------------------------------------------- success
+
+
+def test_mesh_is_what_the_library_gives(tori, tmp_path):
+    result = run(tori, "--dim", 2, "-o", tmp_path / "mesh.npz")
+    assert result.exit_code == 0
+    with np.load(tmp_path / "mesh.npz") as mesh:
+        np.testing.assert_array_equal(mesh["points"], np.load(tori))
+        rec = rm.reconstruct(np.load(tori), 2)
+        np.testing.assert_array_equal(mesh["simplices"], rec.simplices)
+    assert result.stderr == ""
+
+
+@pytest.mark.parametrize("suffix", [".ply", ".obj", ".off", ".stl", ".vtk", ".vtu"])
+def test_every_format(tori, tmp_path, suffix):
+    output = tmp_path / f"mesh{suffix}"
+    assert run(tori, "--dim", 2, "-o", output).exit_code == 0
+    assert len(read_points(output)) == 2160
+
+
+def test_table(tori, tmp_path):
+    result = run(tori, "--dim", 2, "-o", tmp_path / "mesh.ply")
+    rows = dict(
+        line.split("  ", 1) for line in result.stdout.splitlines() if "  " in line
+    )
+    rows = {name: value.strip() for name, value in rows.items()}
+    assert rows["samples"] == "2,160 in R^3"
+    assert rows["dimension"] == "2"
+    assert rows["simplices"] == "2,160 vertices, 6,480 edges, 4,320 triangles"
+    assert rows["Euler characteristic"] == "0"
+    assert rows["components"] == "2"
+    assert rows["Betti numbers"] == "2, 4, 2"
+    assert rows["manifold"] == rows["closed"] == rows["orientable"] == "yes"
+    assert rows["boundary samples"] == rows["holes"] == rows["callous edges"] == "0"
+    assert rows["edges by triangles"] == "6,480 in 2"
+    for step in ("read", "neighborhoods", "tangent spaces", "local regions", "write"):
+        assert step in result.stdout
+    assert "mesh.ply" in result.stdout
+
+
+def test_json(tori, tmp_path):
+    output = tmp_path / "mesh.ply"
+    result = run(tori, "--dim", 2, "-o", output, "--json", "--edges", "either")
+    assert result.exit_code == 0
+    report = json.loads(result.stdout)
+    assert set(report) == KEYS
+    assert report["input"] == str(tori)
+    assert report["output"] == str(output)
+    assert report["edges"] == "either"
+    assert (report["num_samples"], report["ambient_dim"], report["dim"]) == (2160, 3, 2)
+    assert report["num_simplices"] == [2160, 6480, 4320]
+    assert report["euler_characteristic"] == 0
+    assert report["betti_numbers"] == [2, 4, 2]
+    assert report["coface_counts"] == {"2": 6480}
+    assert report["manifold"] is report["closed"] is report["orientable"] is True
+    assert report["warnings"] == []
+    assert [*report["seconds"]][:2] == ["read", "neighborhoods"]
+    assert [*report["seconds"]][-2:] == ["report", "write"]
+    assert all(seconds >= 0 for seconds in report["seconds"].values())
+
+
+def test_json_of_a_process_is_all_of_standard_output(circle, tmp_path):
+    done = run_process(
+        *("reconstruct", circle, "--dim", 1, "-o", tmp_path / "curve.obj", "--json")
+    )
+    assert done.returncode == 0
+    assert done.stderr == ""
+    report = json.loads(done.stdout)
+    assert report["betti_numbers"] == [1, 1]
+    assert report["num_simplices"] == [60, 60]
+    assert len(read_points(tmp_path / "curve.obj")) == 60
+
+
+def test_what_the_result_lacks(tmp_path):
+    np.save(tmp_path / "grid.npy", rm.datasets.figure_samples(9))
+    output = tmp_path / "mesh.ply"
+    result = run(tmp_path / "grid.npy", "-k", 2, "-o", output, "--json")
+    report = json.loads(result.stdout)
+    holes = report["holes"]
+    assert holes > 0
+    assert report["warnings"] == [f"{holes} holes"]
+    assert result.stderr == f"remanifold: warning: {holes} holes\n"
+
+    result = run(
+        *(tmp_path / "grid.npy", "-k", 2, "-o", output, "--json", "--edges", "either")
+    )
+    report = json.loads(result.stdout)
+    assert report["callous_faces"] > 0
+    assert report["coface_counts"]["3"] == report["callous_faces"]
+    assert (
+        f"{report['callous_faces']} edges are in more than two triangles"
+        in (report["warnings"])
+    )
+    assert any("no manifold" in text for text in report["warnings"])
+
+
+def test_samples_left_out_are_mentioned(tmp_path):
+    np.save(tmp_path / "spiral.npy", rm.datasets.figure_samples(5))
+    result = run(tmp_path / "spiral.npy", "-k", 1, "-o", tmp_path / "a.vtk", "--json")
+    report = json.loads(result.stdout)
+    assert report["boundary_samples"] == report["unused_samples"] == 2
+    assert "2 samples are in no simplex (2 have no tangent space)" in report["warnings"]
+
+
+def test_quiet(tmp_path):
+    source, output = tmp_path / "grid.npy", tmp_path / "mesh.ply"
+    np.save(source, rm.datasets.figure_samples(9))
+    result = run(source, "--dim", 2, "-o", output, "--quiet")
+    assert result.exit_code == 0
+    assert result.stdout == result.stderr == ""
+    assert output.exists()
+    result = run(source, "--dim", 2, "-o", output, "-q", "--json")
+    assert json.loads(result.stdout)["warnings"] != []
+    assert result.stderr == ""
+    code, shown, _ = run_on_terminal("reconstruct", source, "-k", 2, "-o", output, "-q")
+    assert (code, shown) == (0, b"")
+
+
+def test_options_reach_the_library(tori, tmp_path, monkeypatch):
+    calls = []
+
+    def reconstruct(*arguments, **options):
+        calls.append((arguments, options))
+        return rec
+
+    rec = rm.reconstruct(np.load(tori), 2)
+    monkeypatch.setattr(rm, "reconstruct", reconstruct)
+    output = tmp_path / "mesh.ply"
+    assert run(tori, "--dim", 2, "-o", output).exit_code == 0
+    assert (
+        run(
+            *(
+                tori,
+                "--dim",
+                2,
+                "-o",
+                output,
+                "--method",
+                "paper",
+                "--num-neighbors",
+                12,
+            ),
+            *("--estimator", "jet", "--edges", "either", "--search", "kdtree"),
+            *("--threads", 1),
+        ).exit_code
+        == 0
+    )
+    defaults = {
+        "method": "paper",
+        "num_neighbors": None,
+        "estimator": "enclosure",
+        "edges": "mutual",
+        "search": "auto",
+        "num_threads": None,
+        "progress": False,
+    }
+    chosen = {
+        "method": "paper",
+        "num_neighbors": 12,
+        "estimator": "jet",
+        "edges": "either",
+        "search": "kdtree",
+        "num_threads": 1,
+        "progress": False,
+    }
+    assert [options for _, options in calls] == [defaults, chosen]
+    for (points, dim), _ in calls:
+        np.testing.assert_array_equal(points, np.load(tori))
+        assert dim == 2
+
+
+def test_warnings_of_the_library_are_shown(tori, tmp_path, monkeypatch):
+    reconstruct = rm.reconstruct
+
+    def reconstruct_with_warning(*arguments, **options):
+        warnings.warn("only some", rm.RecallWarning, stacklevel=1)
+        return reconstruct(*arguments, **options)
+
+    monkeypatch.setattr(rm, "reconstruct", reconstruct_with_warning)
+    result = run(tori, "--dim", 2, "-o", tmp_path / "mesh.ply", "--json")
+    assert json.loads(result.stdout)["warnings"] == ["only some"]
+    assert result.stderr == "remanifold: warning: only some\n"
+
+
+def test_version_and_help():
+    done = run_process("--version")
+    assert done.returncode == 0
+    assert done.stdout == f"remanifold {rm.__version__}\n"
+    result = CliRunner().invoke(cli.app, ["reconstruct", "--help"])
+    assert result.exit_code == 0
+    for option in ("--dim", "--output", "--method", "--json", "--quiet", "--threads"):
+        assert option in result.stdout
+
+
+def test_import_of_the_package_is_light():
+    code = (
+        "import sys, remanifold; heavy = {'typer', 'rich', 'meshio', 'gudhi', 'scipy'};"
+        "print(sorted(heavy & set(sys.modules)))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False
+    )
+    assert done.stdout == "[]\n", done.stderr
+
+
+# --------------------------------------------------------------------- failure
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ([], "Missing argument 'INPUT'"),
+        (["{tori}", "-o", "{out}/a.ply"], "Missing option '--dim'"),
+        (["{tori}", "-k", "2"], "Missing option '--output'"),
+        (["{tori}", "-k", "0", "-o", "{out}/a.ply"], "'--dim'"),
+        (["{tori}", "-k", "two", "-o", "{out}/a.ply"], "'--dim'"),
+        (["{tori}", "-k", "2", "-o", "{out}/a.txt"], "cannot write a mesh to .txt"),
+        (["{tori}", "-k", "2", "-o", "{out}/a"], "without a suffix"),
+        (["{tori}", "-k", "1", "-o", "{out}/a.stl"], "cannot hold edges"),
+        (["{tori}", "-k", "3", "-o", "{out}/a.ply"], "cannot hold tetrahedra"),
+        (["{tori}", "-k", "2", "-o", "{tori}"], "cannot write a mesh to .npy"),
+        (["{tori}", "-k", "2", "-o", "{out}/a.ply", "--method", "x"], "'x' is not one"),
+        (["{tori}", "-k", "2", "-o", "{out}/a.ply", "--edges", "and"], "'and' is not"),
+        (["{tori}", "-k", "2", "-o", "{out}/a.ply", "--threads", "0"], "'--threads'"),
+        (
+            ["{tori}", "-k", "2", "-o", "{out}/a.ply", "--num-neighbors", "2"],
+            "num_neighbors is 2, expected at least 3",
+        ),
+        (["{tori}", "-k", "2", "-o", "{out}/a.ply", "--nope"], "No such option"),
+    ],
+)
+def test_wrong_usage(tori, tmp_path, arguments, message):
+    before = sorted(tmp_path.iterdir())
+    result = run(*(text.format(tori=tori, out=tmp_path) for text in arguments))
+    assert result.exit_code == 2
+    assert message in result.stderr
+    assert "Traceback" not in result.stderr
+    assert result.stdout == ""
+    assert sorted(tmp_path.iterdir()) == before
+
+
+def test_output_is_checked_before_the_input_is_read(tmp_path):
+    result = run(tmp_path / "absent.ply", "--dim", 2, "-o", tmp_path / "a.docx")
+    assert result.exit_code == 2
+    assert "absent" not in result.stderr
+
+
+def test_output_that_cannot_hold_the_dimension_of_the_samples(tmp_path):
+    np.save(tmp_path / "a.npy", rm.datasets.flat_torus(100, random_state=0))
+    result = run(tmp_path / "a.npy", "--dim", 2, "-o", tmp_path / "a.ply")
+    assert result.exit_code == 2
+    assert "cannot hold points with 4 coordinates; use .npz" in result.stderr
+    assert not (tmp_path / "a.ply").exists()
+
+
+def test_input_is_not_overwritten(tmp_path):
+    write_mesh(tmp_path / "a.ply", rm.datasets.figure_samples(8), [[0, 1, 2]])
+    content = (tmp_path / "a.ply").read_bytes()
+    (tmp_path / "link.ply").symlink_to(tmp_path / "a.ply")
+    for output in ("a.ply", "link.ply"):
+        result = run(tmp_path / "a.ply", "--dim", 2, "-o", tmp_path / output)
+        assert result.exit_code == 2
+        assert "is the input" in result.stderr
+    assert (tmp_path / "a.ply").read_bytes() == content
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "dim", "output", "message"),
+    [
+        ("absent.ply", None, 2, "a.ply", "absent.ply: no such file"),
+        ("a.docx", b"", 2, "a.ply", "a.docx: cannot read points from .docx"),
+        ("a.csv", b"x,y\n1,2\n3,z\n", 1, "a.ply", "a.csv, line 3: expected numbers"),
+        ("a.npz", b"PK", 2, "a.ply", "a.npz: is damaged, truncated"),
+        ("a.csv", b"1,2\n3,4\n5,6\n", 3, "a.vtk", "dim is 3, more than the 2 coord"),
+        ("a.csv", b"1,2\nnan,4\n5,6\n", 1, "a.ply", "points[1, 0] is nan"),
+        ("a.csv", b"1,2\n", 1, "a.ply", "has 1 sample; a 1-dimensional complex needs"),
+        ("a.csv", b"1,2\n3,4\n5,6\n", 1, "no/a.ply", "no does not exist"),
+        ("a.csv", b"1,2\n3,4\n5,6\n", 1, "folder.ply", "folder.ply: is a directory"),
+    ],
+)
+def test_failed_run(tmp_path, name, content, dim, output, message):
+    (tmp_path / "folder.ply").mkdir()
+    if content is not None:
+        (tmp_path / name).write_bytes(content)
+    before = sorted(tmp_path.rglob("*"))
+    result = run(tmp_path / name, "--dim", dim, "-o", tmp_path / output)
+    assert result.exit_code == 1
+    assert result.stderr.startswith("remanifold: error: ")
+    assert message in result.stderr
+    assert result.stderr.count("\n") == 1
+    assert result.stdout == ""
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+@pytest.mark.parametrize(
+    ("error", "message"),
+    [
+        (MemoryError(), "out of memory"),
+        (MemoryError("8 GiB"), "out of memory: 8 GiB"),
+        (RuntimeError("lost"), "RuntimeError: lost"),
+        (OSError(28, "No space left on device", "a.ply"), "a.ply: No space left on"),
+    ],
+)
+def test_unexpected_failures_are_one_line(tori, tmp_path, monkeypatch, error, message):
+    def fail(*_arguments, **_options):
+        raise error
+
+    monkeypatch.setattr(rm, "reconstruct", fail)
+    result = run(tori, "--dim", 2, "-o", tmp_path / "a.ply")
+    assert result.exit_code == 1
+    assert result.stderr.startswith(f"remanifold: error: {message}")
+    assert result.stderr.count("\n") == 1
+    assert not (tmp_path / "a.ply").exists()
+
+
+def test_failure_of_the_writer_leaves_nothing(tori, tmp_path, monkeypatch):
+    def fail(*_arguments, **_options):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("pathlib.Path.replace", fail)
+    result = run(tori, "--dim", 2, "-o", tmp_path / "a.ply")
+    assert result.exit_code == 1
+    assert "a.ply: cannot write the file (No space left on device)" in result.stderr
+    assert list(tmp_path.iterdir()) == [tori]
+
+
+def test_interrupt_within_the_library(tori, tmp_path, monkeypatch):
+    def interrupt(*_arguments, **_options):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(rm, "reconstruct", interrupt)
+    result = run(tori, "--dim", 2, "-o", tmp_path / "a.ply")
+    assert result.exit_code == 130
+    assert result.stderr == "remanifold: interrupted\n"
+    assert list(tmp_path.iterdir()) == [tori]
+
+
+def test_progress_and_interrupt_on_a_terminal(tmp_path):
+    """A long run shows its bar; Ctrl-C ends it within moments and leaves no file."""
+    source = tmp_path / "sphere.npy"
+    np.save(source, rm.datasets.sphere(150_000, random_state=0))
+    code, shown, report = run_on_terminal(
+        *("reconstruct", source, "--dim", 2, "-o", tmp_path / "mesh.ply"),
+        *("--search", "brute_force"),
+        interrupt_at=b"neighborhoods",
+    )
+    assert code == 130
+    assert report == b""
+    assert b"interrupted" in shown
+    assert b"Traceback" not in shown
+    assert list(tmp_path.iterdir()) == [source]
+
+
+def test_no_progress_where_there_is_no_terminal(tori, tmp_path):
+    done = run_process("reconstruct", tori, "--dim", 2, "-o", tmp_path / "mesh.ply")
+    assert done.returncode == 0
+    assert done.stderr == ""
+    assert "\x1b" not in done.stdout
