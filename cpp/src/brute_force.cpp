@@ -34,8 +34,9 @@ class BruteForce final : public NeighborSearch::Implementation {
              squared_norms_.maxCoeff();
   }
 
-  std::unique_ptr<NeighborSearch::Query> query() const override {
-    return std::make_unique<BruteForceQuery>(*this);
+  std::unique_ptr<NeighborSearch::Query> query(
+      const Execution& execution) const override {
+    return std::make_unique<BruteForceQuery>(*this, execution);
   }
 
   Index block_size() const override {
@@ -49,8 +50,8 @@ class BruteForce final : public NeighborSearch::Implementation {
  private:
   class BruteForceQuery final : public NeighborSearch::Query {
    public:
-    explicit BruteForceQuery(const BruteForce& search)
-        : search_(search), order_(search.samples_) {}
+    BruteForceQuery(const BruteForce& search, const Execution& execution)
+        : search_(search), execution_(execution), order_(search.samples_) {}
 
     void prepare(Index begin, Index end) override {
       const Samples& samples = search_.samples_;
@@ -70,11 +71,14 @@ class BruteForce final : public NeighborSearch::Implementation {
       rows_ = centered(begin, end - begin);
       products_.resize(end - begin, samples.size());
       for (Index first = 0; first < samples.size(); first += tile) {
+        execution_.poll();
         const Index count = std::min<Index>(tile, samples.size() - first);
         columns_ = centered(first, count);
         products_.middleCols(first, count).noalias() = rows_ * columns_.transpose();
       }
     }
+
+    bool looks_at_all() const override { return true; }
 
     void nearest(Index x, Index count, double squared_radius,
                  std::vector<Neighbor>& out) override {
@@ -126,6 +130,7 @@ class BruteForce final : public NeighborSearch::Implementation {
     }
 
     const BruteForce& search_;
+    Execution execution_;
     NeighborOrder order_;
     Index begin_ = 0;
     Index end_ = 0;

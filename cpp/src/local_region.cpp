@@ -28,7 +28,9 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr Index kMaxGrowth = 4;
 /// Samples asked for around a corner, at first.
 constexpr Index kCornerCount = 8;
-/// New halfspaces after which a region is brought up to date while going through all.
+/// Samples measured at a time while going through all, and new halfspaces after which the
+/// region is brought up to date.
+constexpr Index kScanBlock = 1024;
 constexpr int kScanBatch = 64;
 
 /// Uniform in [0, 1), by the finalizer of MurmurHash3 (Appleby, public domain).
@@ -58,7 +60,7 @@ class RegionKernel {
         weights_(weights),
         execution_(execution),
         dim_(K == Eigen::Dynamic ? tangents.dim : K),
-        query_(search.query()),
+        query_(search.query(execution)),
         hull_(detail::make_convex_hull(dim_)),
         first_batch_(4 * dim_) {}
 
@@ -67,21 +69,20 @@ class RegionKernel {
     const Offset others = samples_.size() - 1;
     std::size_t done = 0;
     bool complete = false;  // the list holds every sample within the limit
-    while (true) {
-      add_nearest(done);
+    while (!add_nearest(done) && !complete) {
       const auto known = static_cast<Offset>(list_.size());
-      if (complete || known == others || static_cast<Offset>(done) < known ||
-          (done > 0 && squared_distances_[done - 1] > limit_)) {
+      if (known == others) {
         break;
       }
       const Offset count = std::min(2 * known, others);
-      if (count > kMaxGrowth * std::max<Offset>(neighborhoods_.count, 8)) {
+      if (query_->looks_at_all() ||
+          count > kMaxGrowth * std::max<Offset>(neighborhoods_.count, 8)) {
         if (!certify_corners()) {
           scan_all();
         }
         break;
       }
-      query_->nearest(x, static_cast<Index>(count), limit_, grown_);
+      nearest(static_cast<Index>(count));
       if (static_cast<Offset>(grown_.size()) < known) {
         scan_all();  // only an approximate search forgets neighbors
         break;
@@ -90,7 +91,6 @@ class RegionKernel {
       for (std::size_t i = list_.size(); i < grown_.size(); ++i) {
         list_.push_back(grown_[i].index);
       }
-      measure_list(static_cast<std::size_t>(known));
     }
     neighbors_used_ += static_cast<Offset>(done);
   }
@@ -115,7 +115,7 @@ class RegionKernel {
 
   Offset neighbors_used() const { return neighbors_used_; }
   Offset vacuous_constraints() const { return vacuous_constraints_; }
-  double inner_product_seconds() const { return inner_product_seconds_; }
+  double coordinate_seconds() const { return coordinate_seconds_; }
 
  private:
   /// <normal, lambda> <= offset
@@ -143,37 +143,45 @@ class RegionKernel {
     limit_ = kInfinity;
     fresh_ = 0;
     list_.assign(neighborhoods_.of(x), neighborhoods_.of(x) + neighborhoods_.count);
-    measure_list(0);
     end_ = detail::kEndOfRegion *
-           (list_.empty() ? 1.0 : std::sqrt(squared_distances_.front()));
+           (list_.empty() ? 1.0
+                          : std::sqrt(samples_.squared_distance(x, list_.front())));
     hull_->restart(dim(), 1 / end_);
   }
 
-  /// Tangent coordinates and distances of list_[first ..].
-  void measure_list(std::size_t first) {
-    detail::Stopwatch watch;
+  /// Tangent coordinates and distances of list_[first .. last).
+  void measure_list(std::size_t first, std::size_t last) {
+    const detail::Timed timed(coordinate_seconds_);
     const auto size = static_cast<Eigen::Index>(list_.size());
-    tangent_coordinates_.conservativeResize(dim(), size);
-    squared_distances_.resize(list_.size());
-    for (auto i = static_cast<Eigen::Index>(first); i < size; ++i) {
-      squared_distances_[i] = measure(list_[i], tangent_coordinates_.col(i));
+    if (tangent_coordinates_.cols() < size) {
+      tangent_coordinates_.conservativeResize(dim(), size);
+      squared_distances_.resize(list_.size());
     }
-    inner_product_seconds_ += watch.lap();
+    for (std::size_t i = first; i < last; ++i) {
+      squared_distances_[i] = measure(
+          list_[i], tangent_coordinates_.col(static_cast<Eigen::Index>(i)));
+    }
   }
 
   /// Cuts by the listed neighbors from `done` on, in growing batches, as far as the
   /// security radius reaches.
-  void add_nearest(std::size_t& done) {
+  /// \returns false where it reaches beyond the list
+  bool add_nearest(std::size_t& done) {
     std::size_t batch = first_batch_;
-    while (done < list_.size() && squared_distances_[done] <= limit_) {
+    while (done < list_.size()) {
       const std::size_t end = std::min(list_.size(), done + batch);
+      measure_list(done, end);
       for (; done < end && squared_distances_[done] <= limit_; ++done) {
         add_halfspace(list_[done], squared_distances_[done],
                       tangent_coordinates_.col(static_cast<Eigen::Index>(done)));
       }
       update();
+      if (done < end) {
+        return true;
+      }
       batch += batch / 2;
     }
+    return done > 0 && squared_distances_[done - 1] > limit_;
   }
 
   /// \returns the squared distance
@@ -339,8 +347,7 @@ class RegionKernel {
     const int fresh_before = fresh_;
     for (Offset count = kCornerCount;; count *= 2) {
       count = std::min<Offset>(count, samples_.size());
-      if (!query_->nearest_to(position_.data(), static_cast<Index>(count), squared_radius,
-                              grown_)) {
+      if (!nearest_to_position(static_cast<Index>(count), squared_radius)) {
         return false;
       }
       neighbors_used_ += static_cast<Offset>(grown_.size());
@@ -358,30 +365,41 @@ class RegionKernel {
     }
   }
 
+  void nearest(Index count) {
+    const detail::Timed timed(coordinate_seconds_);
+    query_->nearest(x_, count, limit_, grown_);
+  }
+
+  bool nearest_to_position(Index count, double squared_radius) {
+    const detail::Timed timed(coordinate_seconds_);
+    return query_->nearest_to(position_.data(), count, squared_radius, grown_);
+  }
+
   bool is_known(Index q) const {
     return std::any_of(halfspaces_.begin(), halfspaces_.end(),
                        [&](const Halfspace& known) { return known.sample == q; });
   }
 
   void scan_all() {
-    Vector normal(dim());
-    for (Index q = 0; q < samples_.size(); ++q) {
-      if (q % 4096 == 0) {
-        execution_.poll();
-      }
-      if (q == x_) {
-        continue;
-      }
-      const double squared_distance = measure(q, normal);
-      if (squared_distance <= limit_) {
-        add_halfspace(q, squared_distance, normal);
-        if (fresh_ == kScanBatch) {
-          update();
+    const Index n = samples_.size();
+    for (Index first = 0; first < n; first += kScanBlock) {
+      execution_.poll();
+      const Index last = std::min<Index>(n, first + kScanBlock);
+      list_.resize(last - first);
+      std::iota(list_.begin(), list_.end(), first);
+      measure_list(0, list_.size());
+      for (std::size_t i = 0; i < list_.size(); ++i) {
+        if (list_[i] != x_ && squared_distances_[i] <= limit_) {
+          add_halfspace(list_[i], squared_distances_[i],
+                        tangent_coordinates_.col(static_cast<Eigen::Index>(i)));
+          if (fresh_ == kScanBatch) {
+            update();
+          }
         }
       }
     }
     update();
-    neighbors_used_ += samples_.size() - 1;
+    neighbors_used_ += n - 1;
   }
 
   static constexpr int kPlainLoopDim = 16;
@@ -414,7 +432,7 @@ class RegionKernel {
 
   Offset neighbors_used_ = 0;
   Offset vacuous_constraints_ = 0;
-  double inner_product_seconds_ = 0;
+  double coordinate_seconds_ = 0;
 };
 
 /// What one block of samples found, to be joined in order.
@@ -460,7 +478,7 @@ void compute_all(const Samples& samples, const NeighborSearch& search,
   for (const Kernel& kernel : kernels) {
     result.neighbors_used += kernel.neighbors_used();
     result.vacuous_constraints += kernel.vacuous_constraints();
-    result.inner_product_seconds += kernel.inner_product_seconds();
+    result.coordinate_seconds += kernel.coordinate_seconds();
   }
   std::partial_sum(edge_counts.begin(), edge_counts.end(), edge_counts.begin());
   std::partial_sum(star_counts.begin(), star_counts.end(), star_counts.begin());
@@ -476,9 +494,10 @@ void compute_all(const Samples& samples, const NeighborSearch& search,
 
 }  // namespace
 
-Index certifying_count(int dim) {
+Index certifying_count(int dim, const NeighborSearch& search) {
   constexpr Index counts[] = {0, 10, 20, 50, 150};
-  return counts[std::min(dim, 4)];
+  constexpr Index generous = 4;
+  return counts[std::min(dim, 4)] * (search.query()->looks_at_all() ? generous : 1);
 }
 
 std::vector<double> tie_weights(const Samples& samples,

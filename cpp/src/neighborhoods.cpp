@@ -130,7 +130,8 @@ class FlannSearch final : public NeighborSearch::Implementation {
     index_.buildIndex();
   }
 
-  std::unique_ptr<NeighborSearch::Query> query() const override {
+  std::unique_ptr<NeighborSearch::Query> query(
+      const Execution& /*execution*/) const override {
     return std::make_unique<FlannQuery>(*this);
   }
   Index block_size() const override { return 256; }
@@ -230,8 +231,9 @@ NeighborSearch::~NeighborSearch() = default;
 NeighborSearch::NeighborSearch(NeighborSearch&&) noexcept = default;
 NeighborSearch& NeighborSearch::operator=(NeighborSearch&&) noexcept = default;
 
-std::unique_ptr<NeighborSearch::Query> NeighborSearch::query() const {
-  return implementation_->query();
+std::unique_ptr<NeighborSearch::Query> NeighborSearch::query(
+    const Execution& execution) const {
+  return implementation_->query(execution);
 }
 
 Index NeighborSearch::block_size() const { return implementation_->block_size(); }
@@ -256,7 +258,7 @@ Neighborhoods find_neighborhoods(const Samples& samples, const NeighborSearch& s
       samples.size(), search.block_size(), execution, [&](Offset begin, Offset end) {
         Scratch& local = scratch.local();
         if (!local.query) {
-          local.query = search.query();
+          local.query = search.query(execution);
         }
         local.query->prepare(static_cast<Index>(begin), static_cast<Index>(end));
         for (Offset i = begin; i < end; ++i) {

@@ -37,10 +37,9 @@ Reconstruction reconstruct(const Samples& samples, const ReconstructOptions& opt
   detail::Stopwatch watch;
 
   const NeighborSearch search(samples, options.search, execution);
-  const Neighborhoods neighborhoods =
-      find_neighborhoods(samples, search,
-                         std::max(tangent.num_neighbors, certifying_count(tangent.dim)),
-                         execution);
+  const Neighborhoods neighborhoods = find_neighborhoods(
+      samples, search,
+      std::max(tangent.num_neighbors, certifying_count(tangent.dim, search)), execution);
   result.search = search.method();
   result.seconds.neighborhoods = watch.lap();
   if (result.search == SearchMethod::kApproximate) {
@@ -57,10 +56,10 @@ Reconstruction reconstruct(const Samples& samples, const ReconstructOptions& opt
   result.seconds.local_regions = watch.lap();
 
   // Thread time over threads stands for wall time.
-  const double in_tangents = tangents.inner_product_seconds / threads;
-  const double in_regions = regions.inner_product_seconds / threads;
-  result.seconds.inner_products = in_tangents + in_regions;
-  result.seconds.neighborhoods += result.seconds.inner_products;
+  const double in_tangents = tangents.coordinate_seconds / threads;
+  const double in_regions = regions.coordinate_seconds / threads;
+  result.seconds.coordinates = in_tangents + in_regions;
+  result.seconds.neighborhoods += result.seconds.coordinates;
   result.seconds.tangent_spaces -= std::min(result.seconds.tangent_spaces, in_tangents);
   result.seconds.local_regions -= std::min(result.seconds.local_regions, in_regions);
 
@@ -70,6 +69,7 @@ Reconstruction reconstruct(const Samples& samples, const ReconstructOptions& opt
   result.edges = graph_edges(graph);
   result.simplices = clique_complex(graph, tangent.dim, execution);
 
+  result.seconds.complex = watch.lap();
   TangentSpaces mapped = to_input(samples, tangents);
   result.tangents = std::move(mapped.bases);
   result.tangent_simplices = std::move(mapped.simplices);
@@ -81,7 +81,9 @@ Reconstruction reconstruct(const Samples& samples, const ReconstructOptions& opt
   result.representatives = samples.representatives();
   result.neighbors_used = regions.neighbors_used;
   result.vacuous_constraints = regions.vacuous_constraints;
-  result.seconds.complex = watch.lap();
+  const double written = watch.lap();
+  result.seconds.coordinates += written;
+  result.seconds.neighborhoods += written;
   return result;
 }
 

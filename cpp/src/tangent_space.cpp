@@ -106,15 +106,17 @@ class TangentKernel {
       : samples_(samples), options_(options), execution_(execution), search_(options.dim) {}
 
   void compute(Index x, const Index* neighbors, Index count, TangentSpaces& result) {
-    detail::Stopwatch watch;
-    coordinates_.load(samples_, x, neighbors, count);
-    inner_product_seconds_ += watch.lap();
+    {
+      const detail::Timed timed(coordinate_seconds_);
+      coordinates_.load(samples_, x, neighbors, count);
+    }
 
     const bool found = count > 0 && (options_.estimator == Estimator::kEnclosure
                                          ? find_enclosing(x, neighbors, result)
                                          : find_fitted());
     result.boundary[x] = found ? 0 : 1;
     const auto row = static_cast<std::size_t>(x);
+    const detail::Timed timed(coordinate_seconds_);
     if (samples_.has_points()) {
       const std::size_t size = basis_size();
       double* out = result.bases.data() + row * size;
@@ -130,7 +132,7 @@ class TangentKernel {
     }
   }
 
-  double inner_product_seconds() const { return inner_product_seconds_; }
+  double coordinate_seconds() const { return coordinate_seconds_; }
 
  private:
   std::size_t basis_size() const {
@@ -156,6 +158,7 @@ class TangentKernel {
       }
       return detail::orthonormalize(coefficients_, coordinates_.gram());
     }
+    const detail::Timed timed(coordinate_seconds_);
     // From the coordinates: the Gram matrix has lost half of the digits of a thin simplex.
     const int ambient_dim = samples_.ambient_dim();
     basis_.resize(dim, ambient_dim);
@@ -186,6 +189,7 @@ class TangentKernel {
     if (!samples_.has_points()) {
       return detail::orthonormalize(coefficients_, coordinates_.gram());
     }
+    const detail::Timed timed(coordinate_seconds_);
     coordinates_.to_ambient(coefficients_, basis_);
     return detail::orthonormalize(basis_);
   }
@@ -200,7 +204,7 @@ class TangentKernel {
   RowMatrix fitted_;
   RowMatrix basis_;
   RowMatrix coefficients_;
-  double inner_product_seconds_ = 0;
+  double coordinate_seconds_ = 0;
 };
 
 void validate(const Samples& samples, const TangentOptions& options) {
@@ -258,7 +262,7 @@ TangentSpaces compute_tangent_spaces(const Samples& samples,
           }
         });
     for (const Kernel& kernel : kernels) {
-      result.inner_product_seconds += kernel.inner_product_seconds();
+      result.coordinate_seconds += kernel.coordinate_seconds();
     }
   });
   return result;

@@ -95,7 +95,7 @@ py::tuple local_regions(const InputArray<double>& points, const InputArray<doubl
     const Samples samples = Samples::from_points(input, execution);
     const NeighborSearch index(samples, options, execution);
     const Neighborhoods found =
-        find_neighborhoods(samples, index, certifying_count(dim), execution);
+        find_neighborhoods(samples, index, certifying_count(dim, index), execution);
     TangentSpaces tangents;
     tangents.dim = dim;
     tangents.bases.resize(samples.size() * size);

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-_Progress = Callable[[str, int, int], object] | None
+_Progress: TypeAlias = Callable[[str, int, int], object] | None
 
 __version__: str
 

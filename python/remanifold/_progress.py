@@ -11,15 +11,16 @@ Callback: TypeAlias = Callable[[str, int, int], object]
 
 
 @contextlib.contextmanager
-def progress_callback(progress: bool | Callback | None) -> Iterator[Callback | None]:
+def progress_callback(progress: object) -> Iterator[Callback | None]:
     """Turn the argument into what the core calls."""
-    if progress is None or progress is False:
-        yield None
-    elif callable(progress):
+    if callable(progress):
         yield progress
-    elif progress is True:
-        with bar() as callback:
-            yield callback
+    elif progress is None or isinstance(progress, bool):
+        if progress:
+            with bar() as callback:
+                yield callback
+        else:
+            yield None
     else:
         msg = f"progress must be None, a bool or a function, got {progress!r}"
         raise TypeError(msg)
@@ -33,6 +34,7 @@ def bar() -> Iterator[Callback]:
         BarColumn,
         MofNCompleteColumn,
         Progress,
+        TaskID,
         TextColumn,
         TimeElapsedColumn,
     )
@@ -45,13 +47,13 @@ def bar() -> Iterator[Callback]:
         console=Console(stderr=True),
         transient=True,
     ) as display:
-        tasks: dict[str, int] = {}
+        tasks: dict[str, TaskID] = {}
 
         def show(step: str, done: int, total: int) -> None:
             if step not in tasks:
-                for task in tasks.values():
-                    display.update(task, completed=display.tasks[task].total)  # type: ignore[index]
+                for task in display.tasks:  # the core may be ahead of the last look
+                    display.update(task.id, completed=task.total)
                 tasks[step] = display.add_task(step.replace("_", " "), total=total)
-            display.update(tasks[step], completed=done, total=total)  # type: ignore[arg-type]
+            display.update(tasks[step], completed=done, total=total)
 
         yield show

@@ -201,12 +201,16 @@ def check_bases(
     return array, np.ascontiguousarray(missing)
 
 
-def _as_float(values: Any, name: str) -> NDArray[np.float64]:
+def _as_array(values: Any, name: str) -> NDArray[Any]:
     try:
-        array = np.asarray(values)
-    except ValueError as error:  # ragged nested lists
-        msg = f"{name} is not a rectangular array: {error}"
+        return np.asarray(values)
+    except ValueError:
+        msg = f"{name} is not rectangular: its rows differ in length"
         raise ValueError(msg) from None
+
+
+def _as_float(values: Any, name: str) -> NDArray[np.float64]:
+    array = _as_array(values, name)
     if array.dtype == object:
         try:
             array = array.astype(np.float64)
@@ -224,7 +228,7 @@ def _as_float(values: Any, name: str) -> NDArray[np.float64]:
 def _real_matrix(
     values: ArrayLike | None, name: str, *, square: bool = False
 ) -> NDArray[np.float64]:
-    raw = np.asarray(values) if not isinstance(values, np.ndarray) else values
+    raw = _as_array(values, name)
     if raw.ndim == 2 and raw.dtype.kind == "c":
         # The real part of the Hermitian product is the product of R^(2 D).
         raw = np.ascontiguousarray(raw)

@@ -73,14 +73,14 @@ def read_points(path: StrPath) -> FloatArray:
     >>> points = rm.io.read_points("scan.ply")  # doctest: +SKIP
     """
     path = Path(path)
+    if path.is_dir():
+        msg = f"{path}: is a directory, expected a file with points"
+        raise IsADirectoryError(msg)
     reader = _READERS.get(path.suffix.lower())
     if reader is None:
         known = ", ".join(_READERS)
         msg = f"{path}: cannot read points from {_suffix(path)}; use one of {known}"
         raise ValueError(msg)
-    if path.is_dir():
-        msg = f"{path}: is a directory, expected a file with points"
-        raise IsADirectoryError(msg)
     if not path.exists():
         msg = f"{path}: no such file"
         raise FileNotFoundError(msg)
@@ -217,7 +217,8 @@ def _read_off(path: Path) -> FloatArray:
 
 def _read_stl(path: Path) -> FloatArray:
     data = path.read_bytes()
-    if data[:5].lower() == b"solid" and b"facet" in data[:1024]:
+    start = data[:1024].lower()
+    if start.startswith(b"solid") and b"facet" in start:
         corners = _ascii_stl(path)
     else:
         corners = _binary_stl(path, data)
@@ -230,12 +231,11 @@ def _ascii_stl(path: Path) -> FloatArray:
     last = ""
     with _open_text(path) as file:
         for line, text in enumerate(file, 1):
-            fields = text.split()
-            if fields:
-                last = fields[0].lower()
-            if last == "vertex" and fields:
-                corners.append(_floats(path, line, fields[1:], 3))
-    if last != "endsolid" or len(corners) % 3:
+            words = text.strip().lower()
+            last = words or last
+            if words.startswith("vertex"):
+                corners.append(_floats(path, line, words.split()[1:], 3))
+    if not last.startswith("endsolid") or len(corners) % 3:
         _fail(path, "is truncated: expected facets of three vertices, then 'endsolid'")
     return np.array(corners)
 

@@ -155,7 +155,9 @@ class Reconstruction:
                 array.flags.writeable = False
 
     def __repr__(self) -> str:
-        ambient = "" if self.ambient_dim is None else f", ambient_dim={self.ambient_dim}"
+        ambient = (
+            "" if self.ambient_dim is None else f", ambient_dim={self.ambient_dim}"
+        )
         return (
             f"Reconstruction(samples={self.num_samples}{ambient}, dim={self.dim}, "
             f"simplices={len(self.simplices)}, method={self.method!r})"
@@ -177,9 +179,7 @@ class Reconstruction:
     @functools.cached_property
     def repair(self) -> Repair:
         """Report of callouses, holes and samples left out; computed once."""
-        report = _core.paper_report(
-            self.simplices, *self.stars, self.boundary, 0, None
-        )
+        report = _core.paper_report(self.simplices, *self.stars, self.boundary, 0, None)
         indices = np.arange(self.num_samples, dtype=np.int32)
         used = np.zeros(self.num_samples, dtype=bool)
         used[self.simplices.ravel()] = True

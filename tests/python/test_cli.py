@@ -29,8 +29,14 @@ KEYS = {
 }
 
 
+try:
+    RUNNER = CliRunner(mix_stderr=False)
+except TypeError:  # newer Typer always keeps standard error apart
+    RUNNER = CliRunner()
+
+
 def run(*arguments):
-    return CliRunner().invoke(cli.app, ["reconstruct", *map(str, arguments)])
+    return RUNNER.invoke(cli.app, ["reconstruct", *map(str, arguments)])
 
 
 def run_process(*arguments, **options):
@@ -268,7 +274,7 @@ def test_version_and_help():
     done = run_process("--version")
     assert done.returncode == 0
     assert done.stdout == f"remanifold {rm.__version__}\n"
-    result = CliRunner().invoke(cli.app, ["reconstruct", "--help"])
+    result = run("--help")
     assert result.exit_code == 0
     for option in ("--dim", "--output", "--method", "--json", "--quiet", "--threads"):
         assert option in result.stdout

@@ -313,6 +313,13 @@ PLY_HEADER = "ply\nformat {}\nelement vertex 2\n" + "".join(
             ),
         ),
         (
+            "capitals.stl",
+            (
+                "SOLID vertex\nFACET NORMAL 0 0 1\nOUTER LOOP\nVERTEX 1 2 3\n"
+                "VERTEX 4 5 6\nVERTEX 1 2 3\nENDLOOP\nENDFACET\nENDSOLID\n\n"
+            ),
+        ),
+        (
             "binary.stl",
             b"solid binary, in spite of the word".ljust(80)
             + struct.pack("<I12fH", 1, 0, 0, 0, 1, 2, 3, 4, 5, 6, 1, 2, 3, 0),
@@ -516,6 +523,8 @@ def test_missing_file_directory_and_suffix(tmp_path):
     (tmp_path / "folder.ply").mkdir()
     with pytest.raises(IsADirectoryError, match=r"folder\.ply: is a directory"):
         read_points(tmp_path / "folder.ply")
+    with pytest.raises(IsADirectoryError, match="is a directory"):
+        read_points(tmp_path)
     with pytest.raises(ValueError, match=r"from \.docx; use one of \.npy, "):
         read_points(tmp_path / "a.docx")
     with pytest.raises(ValueError, match="a file without a suffix; use one of"):

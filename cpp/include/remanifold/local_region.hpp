@@ -25,8 +25,9 @@
 namespace remanifold {
 
 /// Neighbors that certify nearly all local regions of a random sample of a K-manifold: to
-/// know so many from the start saves asking again.
-Index certifying_count(int dim);
+/// know so many from the start saves asking again, which is dear where each query looks at
+/// all samples.
+Index certifying_count(int dim, const NeighborSearch& search);
 
 /// A weight per sample: 1e-10 times the squared distance to its nearest neighbor times a
 /// hash of its input number in [0, 1).
@@ -41,7 +42,7 @@ struct LocalRegions {
   std::vector<double> squared_radii;    ///< of LR(x); infinite where unbounded, NaN on BD
   Offset neighbors_used = 0;            ///< samples looked at by all regions together
   Offset vacuous_constraints = 0;       ///< samples straight above x: no constraint
-  double inner_product_seconds = 0;     ///< thread time spent reading coordinates
+  double coordinate_seconds = 0;     ///< thread time spent on coordinates
 };
 
 LocalRegions compute_local_regions(const Samples& samples, const NeighborSearch& search,

@@ -47,6 +47,8 @@ class NeighborSearch {
     /// squared distance, then by input number.
     virtual void nearest(Index x, Index count, double squared_radius,
                          std::vector<Neighbor>& out) = 0;
+    /// Whether each nearest() looks at every sample.
+    virtual bool looks_at_all() const { return false; }
     /// The same for any point of R^D in canonical coordinates, where the search can do
     /// that faster than by looking at all samples.
     /// \returns false where it cannot
@@ -64,7 +66,8 @@ class NeighborSearch {
   NeighborSearch(NeighborSearch&&) noexcept;
   NeighborSearch& operator=(NeighborSearch&&) noexcept;
 
-  std::unique_ptr<Query> query() const;
+  /// The execution is looked at for cancellation.
+  std::unique_ptr<Query> query(const Execution& execution = {}) const;
   /// What kAuto decided.
   SearchMethod method() const { return method_; }
   /// Samples that one prepare() should cover.

@@ -20,12 +20,13 @@ struct ReconstructOptions {
   EdgeRule edges = EdgeRule::kMutual;
 };
 
-/// Wall seconds of each step. All that reads coordinates counts as neighborhoods: the
-/// search itself and the inner products among neighbors.
+/// Wall seconds of each step. All that touches the D coordinates counts as neighborhoods:
+/// the searches, the products among neighbors, bases written out in R^D. What is left to
+/// the other steps does not depend on D.
 struct StepSeconds {
   double prepare = 0;
   double neighborhoods = 0;
-  double inner_products = 0;  ///< part of neighborhoods
+  double coordinates = 0;  ///< the part of neighborhoods besides the first search
   double tangent_spaces = 0;
   double local_regions = 0;
   double complex = 0;

@@ -37,7 +37,7 @@ struct TangentSpaces {
   /// size() x (K+1): the tangent basis tuple, nearest first; -1 where there is none.
   std::vector<Index> simplices;
   std::vector<std::uint8_t> boundary;  ///< 1: no tangent basis
-  double inner_product_seconds = 0;    ///< thread time spent reading coordinates
+  double coordinate_seconds = 0;    ///< thread time spent on coordinates
 };
 
 /// \throws std::invalid_argument  K < 1, K > D, fewer neighbors than K + 1 asked for

@@ -12,7 +12,7 @@ namespace remanifold {
 class NeighborSearch::Implementation {
  public:
   virtual ~Implementation() = default;
-  virtual std::unique_ptr<Query> query() const = 0;
+  virtual std::unique_ptr<Query> query(const Execution& execution) const = 0;
   virtual Index block_size() const = 0;
 };
 

@@ -85,4 +85,17 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
+/// Adds the seconds of its life to a total.
+class Timed {
+ public:
+  explicit Timed(double& total) : total_(total) {}
+  Timed(const Timed&) = delete;
+  Timed& operator=(const Timed&) = delete;
+  ~Timed() { total_ += watch_.lap(); }
+
+ private:
+  double& total_;
+  Stopwatch watch_;
+};
+
 }  // namespace remanifold::detail
