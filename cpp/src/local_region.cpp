@@ -21,6 +21,9 @@ namespace {
 using detail::ConvexHull;
 
 constexpr Offset kBlock = 128;
+/// Samples whose coordinates are read together, and neighbors a dimension of each.
+constexpr Offset kGroup = 32;
+constexpr Index kReadAhead = 8;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Beyond this multiple of the neighborhood the region is certified corner by corner
@@ -62,7 +65,28 @@ class RegionKernel {
         dim_(K == Eigen::Dynamic ? tangents.dim : K),
         query_(search.query(execution)),
         hull_(detail::make_convex_hull(dim_)),
-        first_batch_(4 * dim_) {}
+        first_batch_(4 * dim_),
+        ahead_(std::min<Index>(neighborhoods.count, kReadAhead * dim_)) {}
+
+  /// Reads the coordinates of the nearest neighbors of a few samples ahead of compute(),
+  /// so that large D does not slow down what comes between.
+  void read_ahead(Index begin, Index end) {
+    const detail::Timed timed(coordinate_seconds_);
+    ahead_begin_ = begin;
+    ahead_coordinates_.resize(dim(), static_cast<Eigen::Index>(end - begin) * ahead_);
+    ahead_distances_.resize(static_cast<std::size_t>(end - begin) * ahead_);
+    for (Index x = begin; x < end; ++x) {
+      if (tangents_.boundary[x] != 0) {
+        continue;
+      }
+      x_ = x;
+      for (Index k = 0; k < ahead_; ++k) {
+        const Index slot = (x - begin) * ahead_ + k;
+        ahead_distances_[slot] =
+            measure(neighborhoods_.of(x)[k], ahead_coordinates_.col(slot));
+      }
+    }
+  }
 
   void compute(Index x) {
     start(x);
@@ -143,23 +167,35 @@ class RegionKernel {
     limit_ = kInfinity;
     fresh_ = 0;
     list_.assign(neighborhoods_.of(x), neighborhoods_.of(x) + neighborhoods_.count);
+    make_room();
+    const Index first = (x - ahead_begin_) * ahead_;
+    tangent_coordinates_.leftCols(ahead_) = ahead_coordinates_.middleCols(first, ahead_);
+    std::copy_n(ahead_distances_.data() + first, ahead_, squared_distances_.data());
+    measured_ = static_cast<std::size_t>(ahead_);
     end_ = detail::kEndOfRegion *
-           (list_.empty() ? 1.0
-                          : std::sqrt(samples_.squared_distance(x, list_.front())));
+           (list_.empty() ? 1.0 : std::sqrt(squared_distances_.front()));
     hull_->restart(dim(), 1 / end_);
   }
 
-  /// Tangent coordinates and distances of list_[first .. last).
-  void measure_list(std::size_t first, std::size_t last) {
-    const detail::Timed timed(coordinate_seconds_);
+  void make_room() {
     const auto size = static_cast<Eigen::Index>(list_.size());
     if (tangent_coordinates_.cols() < size) {
       tangent_coordinates_.conservativeResize(dim(), size);
       squared_distances_.resize(list_.size());
     }
-    for (std::size_t i = first; i < last; ++i) {
-      squared_distances_[i] = measure(
-          list_[i], tangent_coordinates_.col(static_cast<Eigen::Index>(i)));
+  }
+
+  /// Tangent coordinates and distances of the list up to `last`.
+  void measure_list(std::size_t last) {
+    if (measured_ >= last) {
+      return;
+    }
+    const detail::Timed timed(coordinate_seconds_);
+    make_room();
+    for (; measured_ < last; ++measured_) {
+      squared_distances_[measured_] =
+          measure(list_[measured_],
+                  tangent_coordinates_.col(static_cast<Eigen::Index>(measured_)));
     }
   }
 
@@ -170,7 +206,7 @@ class RegionKernel {
     std::size_t batch = first_batch_;
     while (done < list_.size()) {
       const std::size_t end = std::min(list_.size(), done + batch);
-      measure_list(done, end);
+      measure_list(end);
       for (; done < end && squared_distances_[done] <= limit_; ++done) {
         add_halfspace(list_[done], squared_distances_[done],
                       tangent_coordinates_.col(static_cast<Eigen::Index>(done)));
@@ -387,7 +423,8 @@ class RegionKernel {
       const Index last = std::min<Index>(n, first + kScanBlock);
       list_.resize(last - first);
       std::iota(list_.begin(), list_.end(), first);
-      measure_list(0, list_.size());
+      measured_ = 0;
+      measure_list(list_.size());
       for (std::size_t i = 0; i < list_.size(); ++i) {
         if (list_[i] != x_ && squared_distances_[i] <= limit_) {
           add_halfspace(list_[i], squared_distances_[i],
@@ -413,11 +450,16 @@ class RegionKernel {
   std::unique_ptr<NeighborSearch::Query> query_;
   std::unique_ptr<ConvexHull> hull_;
   std::size_t first_batch_;
+  Index ahead_;  // neighbors read ahead of each sample
 
   Index x_ = 0;
   std::vector<Index> list_;  // neighbors, nearest first
   Eigen::Matrix<double, K, Eigen::Dynamic> tangent_coordinates_;
   std::vector<double> squared_distances_;
+  std::size_t measured_ = 0;  // so many of the list have coordinates and distance
+  Index ahead_begin_ = 0;
+  Eigen::Matrix<double, K, Eigen::Dynamic> ahead_coordinates_;
+  std::vector<double> ahead_distances_;
   std::vector<Neighbor> grown_;
   Eigen::VectorXd difference_;
   Eigen::VectorXd position_;
@@ -446,7 +488,11 @@ void compute_all(const Samples& samples, const NeighborSearch& search,
                  const Neighborhoods& neighborhoods, const TangentSpaces& tangents,
                  const Execution& execution, LocalRegions& result) {
   using Kernel = RegionKernel<K>;
-  const std::vector<double> weights = tie_weights(samples, neighborhoods);
+  std::vector<double> weights;
+  {
+    const detail::Timed timed(result.coordinate_seconds);
+    weights = tie_weights(samples, neighborhoods);
+  }
   detail::PerThread<Kernel> kernels([&] {
     return Kernel(samples, search, neighborhoods, tangents, weights, execution);
   });
@@ -462,6 +508,10 @@ void compute_all(const Samples& samples, const NeighborSearch& search,
     Kernel& kernel = kernels.local();
     Block& block = blocks[begin / kBlock];
     for (Offset i = begin; i < end; ++i) {
+      if ((i - begin) % kGroup == 0) {
+        kernel.read_ahead(static_cast<Index>(i),
+                          static_cast<Index>(std::min(end, i + kGroup)));
+      }
       if (tangents.boundary[i] != 0) {
         continue;
       }

@@ -87,8 +87,8 @@ Reconstruction reconstruct(const Samples& samples, const ReconstructOptions& opt
   return result;
 }
 
-PaperReport paper_report(const SimplexArray& simplices, const Csr& stars,
-                         const std::vector<std::uint8_t>& boundary,
+PaperReport paper_report(const SimplexArray& simplices, const Csr& edge_sets,
+                         const Csr& stars, const std::vector<std::uint8_t>& boundary,
                          const Execution& execution) {
   PaperReport report;
   const int dim = simplices.arity - 1;
@@ -121,7 +121,14 @@ PaperReport paper_report(const SimplexArray& simplices, const Csr& stars,
     }
   }
 
-  OpenFaces open = find_open_faces(faces, boundary);
+  std::vector<std::uint8_t> at_boundary = boundary;
+  for (Offset i = 0; i < edge_sets.rows(); ++i) {
+    if (std::any_of(edge_sets.begin(i), edge_sets.end(i),
+                    [&](Index j) { return boundary[j] != 0; })) {
+      at_boundary[i] = 1;
+    }
+  }
+  OpenFaces open = find_open_faces(faces, at_boundary);
   report.open_faces = std::move(open.faces);
   report.num_holes =
       static_cast<Index>(std::count(open.hole.begin(), open.hole.end(), 1));

@@ -21,7 +21,7 @@ namespace {
 using detail::LocalCoordinates;
 using detail::RowMatrix;
 
-constexpr Offset kBlock = 128;
+constexpr Offset kGroup = 32;
 
 /// The K leading principal directions of the neighborhood with x, as rows.
 class PrincipalDirections {
@@ -98,112 +98,143 @@ class JetFit {
   Eigen::LDLT<Eigen::MatrixXd> solver_;
 };
 
+/// The tangent spaces of one thread. Samples go in groups: first all coordinates of a
+/// group are read, then its tangent spaces are found in local coordinates, then they are
+/// written out in R^D. Large D then neither slows down what lies between nor hides in it.
 template <int K>
 class TangentKernel {
  public:
-  TangentKernel(const Samples& samples, const TangentOptions& options,
-                const Execution& execution)
-      : samples_(samples), options_(options), execution_(execution), search_(options.dim) {}
+  TangentKernel(const Samples& samples, const Neighborhoods& neighborhoods, Index count,
+                const TangentOptions& options, const Execution& execution)
+      : samples_(samples),
+        neighborhoods_(neighborhoods),
+        count_(count),
+        options_(options),
+        execution_(execution),
+        search_(options.dim) {}
 
-  void compute(Index x, const Index* neighbors, Index count, TangentSpaces& result) {
+  void compute(Index begin, Index end, TangentSpaces& result) {
+    group_.resize(std::max<std::size_t>(group_.size(), end - begin));
     {
       const detail::Timed timed(coordinate_seconds_);
-      coordinates_.load(samples_, x, neighbors, count);
-    }
-
-    const bool found = count > 0 && (options_.estimator == Estimator::kEnclosure
-                                         ? find_enclosing(x, neighbors, result)
-                                         : find_fitted());
-    result.boundary[x] = found ? 0 : 1;
-    const auto row = static_cast<std::size_t>(x);
-    const detail::Timed timed(coordinate_seconds_);
-    if (samples_.has_points()) {
-      const std::size_t size = basis_size();
-      double* out = result.bases.data() + row * size;
-      if (found) {
-        std::copy_n(basis_.data(), size, out);
-      } else {
-        std::fill_n(out, size, std::numeric_limits<double>::quiet_NaN());
+      for (Index x = begin; x < end; ++x) {
+        group_[x - begin].coordinates.load(samples_, x, neighborhoods_.of(x), count_);
       }
-    } else if (found) {
-      std::copy_n(coefficients_.data(), coefficients_.size(),
-                  result.coefficients.data() +
-                      row * options_.dim * result.num_coefficients);
+    }
+    for (Index x = begin; x < end; ++x) {
+      Local& local = group_[x - begin];
+      local.found = count_ > 0 && (options_.estimator == Estimator::kEnclosure
+                                       ? find_enclosing(x, local, result)
+                                       : find_fitted(local));
+    }
+    const detail::Timed timed(coordinate_seconds_);
+    for (Index x = begin; x < end; ++x) {
+      write(x, group_[x - begin], result);
     }
   }
 
   double coordinate_seconds() const { return coordinate_seconds_; }
 
  private:
-  std::size_t basis_size() const {
-    return static_cast<std::size_t>(options_.dim) * samples_.ambient_dim();
+  struct Local {
+    LocalCoordinates coordinates;
+    bool found = false;
+    RowMatrix basis;         // in local coordinates where these are direct
+    RowMatrix coefficients;  // of the neighbor vectors otherwise
+  };
+
+  Index* simplex_of(Index x, TangentSpaces& result) const {
+    return result.simplices.data() + static_cast<std::size_t>(x) * (options_.dim + 1);
   }
 
-  bool find_enclosing(Index x, const Index* neighbors, TangentSpaces& result) {
-    const Index* ranks = search_.find(coordinates_.gram(), execution_);
+  bool find_enclosing(Index x, Local& local, TangentSpaces& result) {
+    const Index* ranks = search_.find(local.coordinates.gram(), execution_);
     if (ranks == nullptr) {
       return false;
     }
     const int dim = options_.dim;
-    Index* simplex =
-        result.simplices.data() + static_cast<std::size_t>(x) * (dim + 1);
     for (int i = 0; i <= dim; ++i) {
-      simplex[i] = neighbors[ranks[i]];
+      simplex_of(x, result)[i] = neighborhoods_.of(x)[ranks[i]];
     }
-    if (!samples_.has_points()) {
-      coefficients_.setZero(dim, coordinates_.count());
-      for (int i = 0; i < dim; ++i) {
-        coefficients_(i, ranks[i + 1]) = 1;
-        coefficients_(i, ranks[0]) = -1;
-      }
-      return detail::orthonormalize(coefficients_, coordinates_.gram());
+    if (samples_.has_points()) {
+      return true;
     }
-    const detail::Timed timed(coordinate_seconds_);
-    // From the coordinates: the Gram matrix has lost half of the digits of a thin simplex.
-    const int ambient_dim = samples_.ambient_dim();
-    basis_.resize(dim, ambient_dim);
-    const double* origin = samples_.point(simplex[0]);
+    local.coefficients.setZero(dim, count_);
     for (int i = 0; i < dim; ++i) {
-      const double* vertex = samples_.point(simplex[i + 1]);
-      for (int j = 0; j < ambient_dim; ++j) {
-        basis_(i, j) = vertex[j] - origin[j];
-      }
+      local.coefficients(i, ranks[i + 1]) = 1;
+      local.coefficients(i, ranks[0]) = -1;
     }
-    return detail::orthonormalize(basis_);
+    return detail::orthonormalize(local.coefficients, local.coordinates.gram());
   }
 
-  bool find_fitted() {
-    const RowMatrix& vectors = coordinates_.vectors();
-    if (!principal_.find(vectors, options_.dim, fitted_)) {
+  bool find_fitted(Local& local) {
+    const RowMatrix& vectors = local.coordinates.vectors();
+    if (!principal_.find(vectors, options_.dim, local.basis)) {
       return false;
     }
     if (options_.estimator == Estimator::kJet) {
-      jet_.refine(vectors, fitted_);
-      jet_.refine(vectors, fitted_);
+      jet_.refine(vectors, local.basis);
+      jet_.refine(vectors, local.basis);
     }
-    if (coordinates_.direct()) {
-      basis_ = fitted_;
+    if (local.coordinates.direct()) {
       return true;
     }
-    coefficients_ = coordinates_.to_coefficients(fitted_);
-    if (!samples_.has_points()) {
-      return detail::orthonormalize(coefficients_, coordinates_.gram());
+    local.coefficients = local.coordinates.to_coefficients(local.basis);
+    return samples_.has_points() ||
+           detail::orthonormalize(local.coefficients, local.coordinates.gram());
+  }
+
+  /// Differences of the tuple's members, from the coordinates: the Gram matrix has lost
+  /// half of the digits of a thin simplex.
+  void span_simplex(const Index* simplex, RowMatrix& basis) const {
+    const int ambient_dim = samples_.ambient_dim();
+    basis.resize(options_.dim, ambient_dim);
+    const double* origin = samples_.point(simplex[0]);
+    for (int i = 0; i < options_.dim; ++i) {
+      const double* vertex = samples_.point(simplex[i + 1]);
+      for (int j = 0; j < ambient_dim; ++j) {
+        basis(i, j) = vertex[j] - origin[j];
+      }
     }
-    const detail::Timed timed(coordinate_seconds_);
-    coordinates_.to_ambient(coefficients_, basis_);
-    return detail::orthonormalize(basis_);
+  }
+
+  void write(Index x, Local& local, TangentSpaces& result) {
+    if (samples_.has_points()) {
+      if (local.found && options_.estimator == Estimator::kEnclosure) {
+        span_simplex(simplex_of(x, result), local.basis);
+        local.found = detail::orthonormalize(local.basis);
+      } else if (local.found && !local.coordinates.direct()) {
+        local.coordinates.to_ambient(local.coefficients, local.basis);
+        local.found = detail::orthonormalize(local.basis);
+      }
+      const auto size =
+          static_cast<std::size_t>(options_.dim) * samples_.ambient_dim();
+      double* out = result.bases.data() + static_cast<std::size_t>(x) * size;
+      if (local.found) {
+        std::copy_n(local.basis.data(), size, out);
+      } else {
+        std::fill_n(out, size, std::numeric_limits<double>::quiet_NaN());
+      }
+    } else if (local.found) {
+      std::copy_n(local.coefficients.data(), local.coefficients.size(),
+                  result.coefficients.data() +
+                      static_cast<std::size_t>(x) * options_.dim * count_);
+    }
+    result.boundary[x] = local.found ? 0 : 1;
+    if (!local.found) {
+      std::fill_n(simplex_of(x, result), options_.dim + 1, -1);
+    }
   }
 
   const Samples& samples_;
+  const Neighborhoods& neighborhoods_;
+  Index count_;
   const TangentOptions& options_;
   const Execution& execution_;
-  LocalCoordinates coordinates_;
+  std::vector<Local> group_;
   detail::EnclosingSimplex<K> search_;
   PrincipalDirections principal_;
   JetFit jet_;
-  RowMatrix fitted_;
-  RowMatrix basis_;
-  RowMatrix coefficients_;
   double coordinate_seconds_ = 0;
 };
 
@@ -243,6 +274,7 @@ TangentSpaces compute_tangent_spaces(const Samples& samples,
   result.simplices.assign(n * (dim + 1), -1);
   result.boundary.resize(n);
   if (samples.has_points()) {
+    const detail::Timed timed(result.coordinate_seconds);
     result.bases.resize(n * dim * samples.ambient_dim());
   } else {
     result.num_coefficients = count;
@@ -251,15 +283,13 @@ TangentSpaces compute_tangent_spaces(const Samples& samples,
   detail::begin_step(execution, Step::kTangentSpaces, samples.size());
   detail::dispatch_dim(options.dim, [&](auto k) {
     using Kernel = TangentKernel<decltype(k)::value>;
-    detail::PerThread<Kernel> kernels(
-        [&] { return Kernel(samples, options, execution); });
+    detail::PerThread<Kernel> kernels([&] {
+      return Kernel(samples, neighborhoods, count, options, execution);
+    });
     detail::for_each_block(
-        samples.size(), kBlock, execution, [&](Offset begin, Offset end) {
-          Kernel& kernel = kernels.local();
-          for (Offset i = begin; i < end; ++i) {
-            const auto x = static_cast<Index>(i);
-            kernel.compute(x, neighborhoods.of(x), count, result);
-          }
+        samples.size(), kGroup, execution, [&](Offset begin, Offset end) {
+          kernels.local().compute(static_cast<Index>(begin), static_cast<Index>(end),
+                                  result);
         });
     for (const Kernel& kernel : kernels) {
       result.coordinate_seconds += kernel.coordinate_seconds();

@@ -34,15 +34,19 @@ py::array component_labels(const InputArray<Index>& simplices, Index num_vertice
   return to_numpy(connected_components(simplex_array(simplices), num_vertices).labels);
 }
 
-py::dict report(const InputArray<Index>& simplices, const InputArray<Offset>& star_offsets,
+py::dict report(const InputArray<Index>& simplices,
+                const InputArray<Offset>& edge_set_offsets,
+                const InputArray<Index>& edge_set_indices,
+                const InputArray<Offset>& star_offsets,
                 const InputArray<Index>& star_simplices, const InputArray<bool>& boundary,
                 int num_threads, const py::object& progress) {
   const SimplexArray complex = simplex_array(simplices);
+  const Csr edge_sets{to_vector(edge_set_offsets), to_vector(edge_set_indices)};
   const Csr stars{to_vector(star_offsets), to_vector(star_simplices)};
   const std::vector<std::uint8_t> marked(boundary.data(),
                                          boundary.data() + boundary.size());
   PaperReport result = run(num_threads, progress, [&](const Execution& execution) {
-    return paper_report(complex, stars, marked, execution);
+    return paper_report(complex, edge_sets, stars, marked, execution);
   });
   py::dict out;
   out["callous_faces"] = to_numpy(std::move(result.callous_faces));
@@ -61,7 +65,9 @@ void bind_topology(py::module_& module) {
   module.def("component_labels", &component_labels, py::arg("simplices").noconvert(),
              py::arg("num_vertices"));
   module.def("paper_report", &report, py::arg("simplices").noconvert(),
-             py::arg("star_offsets").noconvert(), py::arg("star_simplices").noconvert(),
+             py::arg("edge_set_offsets").noconvert(),
+             py::arg("edge_set_indices").noconvert(), py::arg("star_offsets").noconvert(),
+             py::arg("star_simplices").noconvert(),
              py::arg("boundary").noconvert(), py::arg("num_threads"),
              py::arg("progress"));
 }

@@ -75,6 +75,8 @@ def component_labels(
 ) -> NDArray[np.int32]: ...
 def paper_report(
     simplices: NDArray[np.int32],
+    edge_set_offsets: NDArray[np.int64],
+    edge_set_indices: NDArray[np.int32],
     star_offsets: NDArray[np.int64],
     star_simplices: NDArray[np.int32],
     boundary: NDArray[np.bool_],

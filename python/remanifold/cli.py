@@ -27,6 +27,9 @@ from remanifold.steps import EDGE_RULES, ESTIMATORS, SEARCHES
 
 __all__ = ["app", "main"]
 
+# More would take longer than the reconstruction.
+MAX_SIMPLICES_FOR_ALGEBRA = 200_000
+
 app = typer.Typer(
     name="remanifold",
     help="Reconstruct manifolds from their samples.",
@@ -210,7 +213,12 @@ def _report(rec: rm.Reconstruction) -> dict[str, Any]:
         "num_simplices": list(topology.num_simplices),
         "euler_characteristic": topology.euler_characteristic,
         "components": topology.components,
-        "betti_numbers": list(topology.betti_numbers),
+        "betti_numbers": (
+            list(topology.betti_numbers)
+            if topology.counting_settles_homology
+            or topology.num_simplices[-1] <= MAX_SIMPLICES_FOR_ALGEBRA
+            else None
+        ),
         "manifold": topology.manifold,
         "closed": topology.closed,
         "orientable": topology.orientable,
@@ -221,6 +229,7 @@ def _report(rec: rm.Reconstruction) -> dict[str, Any]:
         "callous_faces": len(repair.callous_faces),
         "unstarred_simplices": len(repair.unstarred_simplices),
         "holes": repair.num_holes,
+        "boundary_components": repair.num_boundary_components,
         "singular_vertices": len(topology.singular_vertices),
         "seconds": {**rec.timings, "report": seconds_topology + seconds_repair},
     }
@@ -261,7 +270,11 @@ def _table(report: dict[str, Any]) -> Table:
         ),
         "Euler characteristic": f"{report['euler_characteristic']:,}",
         "components": f"{report['components']:,}",
-        "Betti numbers": ", ".join(f"{b:,}" for b in report["betti_numbers"]),
+        "Betti numbers": (
+            "not computed"
+            if report["betti_numbers"] is None
+            else ", ".join(f"{b:,}" for b in report["betti_numbers"])
+        ),
         "manifold": yes_no[report["manifold"]],
         "closed": yes_no[report["closed"]],
         "orientable": yes_no[report["orientable"]],
@@ -273,6 +286,7 @@ def _table(report: dict[str, Any]) -> Table:
         f"callous {names[-2]}": f"{report['callous_faces']:,}",
         f"{names[-1]} in no star": f"{report['unstarred_simplices']:,}",
         "holes": f"{report['holes']:,}",
+        "boundary components": f"{report['boundary_components']:,}",
         "seconds": "\n".join(
             f"{seconds:.2f} {step.replace('_', ' ')}"
             for step, seconds in report["seconds"].items()

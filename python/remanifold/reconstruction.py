@@ -56,9 +56,10 @@ class Repair:
     open_faces : ndarray, shape (H, K), int32
         (K-1)-faces in one simplex only.
     num_holes : int
-        Connected sets of open faces without a boundary sample.
+        Connected sets of open faces away from all boundary samples.
     num_boundary_components : int
-        Connected sets of open faces with a boundary sample.
+        Connected sets of open faces with a vertex that is a boundary sample or has one
+        in its edge set.
     unused_vertices : ndarray of int32
         Samples in no simplex; merged copies are not listed.
     merged_samples : int
@@ -179,7 +180,9 @@ class Reconstruction:
     @functools.cached_property
     def repair(self) -> Repair:
         """Report of callouses, holes and samples left out; computed once."""
-        report = _core.paper_report(self.simplices, *self.stars, self.boundary, 0, None)
+        report = _core.paper_report(
+            self.simplices, *self.edge_sets, *self.stars, self.boundary, 0, None
+        )
         indices = np.arange(self.num_samples, dtype=np.int32)
         used = np.zeros(self.num_samples, dtype=bool)
         used[self.simplices.ravel()] = True

@@ -74,6 +74,15 @@ class Topology:
         """The same over Z3; where they differ there is 2-torsion."""
         return self._homology[1]
 
+    @property
+    def counting_settles_homology(self) -> bool:
+        """Whether the Betti numbers follow from counts, without linear algebra."""
+        return (
+            self.num_simplices[-1] == 0
+            or self.dim == 1
+            or (self.dim == 2 and self._closed_patches is not None)
+        )
+
     @functools.cached_property
     def _homology(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
         """Over Z2 and Z3; by counting where that settles it, else by GUDHI."""

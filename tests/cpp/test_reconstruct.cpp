@@ -35,7 +35,7 @@ TEST(Reconstruct, CircleIsOneClosedPolygon) {
 TEST(Reconstruct, SphereHasSpuriousTrianglesAtVerticesOfDegreeThree) {
   const Cloud cloud = testing::sphere(800, 2, 1);
   const Reconstruction rec = reconstruct_paper(Samples::from_points(cloud.view()), 2);
-  const PaperReport report = paper_report(rec.simplices, rec.stars, rec.boundary);
+  const PaperReport report = paper_report(rec.simplices, rec.edge_sets, rec.stars, rec.boundary);
   ASSERT_GT(report.unstarred_simplices.size(), 0);
   // Without them it is the sphere, callouses and holes aside.
   const Topology t = compute_topology(rec.simplices, 800);
@@ -119,6 +119,16 @@ TEST(Reconstruct, DegenerateInputIsSound) {
 
   const Cloud few = testing::gaussian(3, 3, 1);
   EXPECT_EQ(reconstruct_paper(Samples::from_points(few.view()), 2).simplices.size(), 0);
+}
+
+TEST(PaperReport, RimsAreNoHoles) {
+  const Cloud cloud = testing::grid(12, 2);
+  const Reconstruction rec = reconstruct_paper(Samples::from_points(cloud.view()), 2);
+  ASSERT_GT(std::count(rec.boundary.begin(), rec.boundary.end(), 1), 0);
+  const PaperReport report =
+      paper_report(rec.simplices, rec.edge_sets, rec.stars, rec.boundary);
+  EXPECT_EQ(report.num_holes, 0);
+  EXPECT_EQ(report.num_boundary_components, 1);
 }
 
 TEST(Reconstruct, StopsWhenCancelled) {

@@ -24,7 +24,8 @@ KEYS = {
     *("num_samples", "ambient_dim", "dim", "num_simplices", "euler_characteristic"),
     *("components", "betti_numbers", "manifold", "closed", "orientable"),
     *("boundary_samples", "merged_samples", "unused_samples", "coface_counts"),
-    *("callous_faces", "unstarred_simplices", "holes", "singular_vertices", "seconds"),
+    *("callous_faces", "unstarred_simplices", "holes", "boundary_components"),
+    *("singular_vertices", "seconds"),
     "warnings",
 }
 

@@ -63,9 +63,11 @@ struct PaperReport {
   Index num_holes = 0;
   Index num_boundary_components = 0;
 };
-/// `stars` and `boundary` as in Reconstruction.
-PaperReport paper_report(const SimplexArray& simplices, const Csr& stars,
-                         const std::vector<std::uint8_t>& boundary,
+/// Edge sets, stars and boundary as in Reconstruction. Open faces count as boundary where
+/// one of their vertices is a boundary sample or has one in its edge set: boundary samples
+/// have no edge sets, so that mutual edges never reach them.
+PaperReport paper_report(const SimplexArray& simplices, const Csr& edge_sets,
+                         const Csr& stars, const std::vector<std::uint8_t>& boundary,
                          const Execution& execution = {});
 
 }  // namespace remanifold
