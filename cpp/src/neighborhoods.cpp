@@ -16,15 +16,24 @@
 namespace remanifold {
 namespace {
 
-/// FLANN's distance functor on the distance of the core.
+/// FLANN's distance functor on the distance of the core, which can count its calls.
 struct SquaredEuclidean {
   using is_kdtree_distance = bool;
   using ElementType = double;
   using ResultType = double;
 
+  Offset* calls = nullptr;
+
   template <class A, class B>
-  double operator()(A a, B b, std::size_t size, double /*worst*/ = -1) const {
-    return detail::squared_distance(&*a, &*b, size);
+  double operator()(A a, B b, std::size_t size, double worst = -1) const {
+    if (size < 8) {
+      return detail::squared_distance(&*a, &*b, size);
+    }
+    if (calls != nullptr) {
+      ++*calls;
+    }
+    return worst > 0 ? detail::squared_distance(&*a, &*b, size, worst)
+                     : detail::squared_distance(&*a, &*b, size);
   }
   double accum_dist(double a, double b, int /*axis*/) const { return (a - b) * (a - b); }
 };
@@ -120,12 +129,13 @@ template <class FlannIndex>
 class FlannSearch final : public NeighborSearch::Implementation {
  public:
   FlannSearch(const Samples& samples, const flann::IndexParams& parameters,
-              flann::SearchParams search_parameters, bool exact)
+              flann::SearchParams search_parameters, bool exact,
+              SquaredEuclidean distance = {})
       : samples_(samples),
         exact_(exact),
         index_(flann::Matrix<double>(const_cast<double*>(samples.point(0)),
                                      samples.size(), samples.ambient_dim()),
-               parameters),
+               parameters, distance),
         search_parameters_(search_parameters) {
     index_.buildIndex();
   }
@@ -176,13 +186,39 @@ class FlannSearch final : public NeighborSearch::Implementation {
   flann::SearchParams search_parameters_;
 };
 
-std::unique_ptr<NeighborSearch::Implementation> make_kd_tree(const Samples& samples) {
+std::unique_ptr<NeighborSearch::Implementation> make_kd_tree(
+    const Samples& samples, SquaredEuclidean distance = {}) {
   flann::SearchParams parameters(flann::FLANN_CHECKS_UNLIMITED);
   // The tree compares sums that were rounded on the way down with exact distances; a
   // little slack keeps it from passing over a branch that holds a tie.
   parameters.eps = -1e-5F;
   return std::make_unique<FlannSearch<flann::KDTreeSingleIndex<SquaredEuclidean>>>(
-      samples, flann::KDTreeSingleIndexParams(10), parameters, true);
+      samples, flann::KDTreeSingleIndexParams(10), parameters, true, distance);
+}
+
+/// Up to this many coordinates the kd-tree is always taken.
+constexpr int kAlwaysTree = 8;
+/// A distance in the tree costs as much as this many in a matrix product (measured, with
+/// K from 1 to 4, D from 10 to 400 and N from 2,000 to 40,000).
+constexpr Offset kTreeCost = 2;
+constexpr Index kProbes = 32;
+constexpr Index kProbeCount = 20;
+
+/// Whether the tree looks at so many samples a query that comparing with all is faster:
+/// counted, so that the same input always makes the same choice.
+bool is_tree_slow(const Samples& samples, const Execution& execution) {
+  Offset calls = 0;
+  const auto tree = make_kd_tree(samples, SquaredEuclidean{&calls});
+  const auto query = tree->query(execution);
+  std::vector<Neighbor> found;
+  const Index probes = std::min(kProbes, samples.size());
+  for (Index i = 0; i < probes; ++i) {
+    execution.poll();
+    query->nearest(
+        static_cast<Index>(static_cast<Offset>(i) * samples.size() / probes),
+        kProbeCount, std::numeric_limits<double>::infinity(), found);
+  }
+  return kTreeCost * calls > static_cast<Offset>(probes) * samples.size();
 }
 
 std::unique_ptr<NeighborSearch::Implementation> make_approximate(const Samples& samples,
@@ -195,7 +231,8 @@ std::unique_ptr<NeighborSearch::Implementation> make_approximate(const Samples& 
       flann::SearchParams(checks), false);
 }
 
-SearchMethod choose(const Samples& samples, SearchMethod method) {
+SearchMethod choose(const Samples& samples, SearchMethod method,
+                    const Execution& execution) {
   if (!samples.has_points()) {
     if (method == SearchMethod::kKdTree || method == SearchMethod::kApproximate) {
       throw std::invalid_argument(
@@ -206,14 +243,16 @@ SearchMethod choose(const Samples& samples, SearchMethod method) {
   if (method != SearchMethod::kAuto) {
     return method;
   }
-  return samples.ambient_dim() <= 20 ? SearchMethod::kKdTree : SearchMethod::kBruteForce;
+  return samples.ambient_dim() > kAlwaysTree && is_tree_slow(samples, execution)
+             ? SearchMethod::kBruteForce
+             : SearchMethod::kKdTree;
 }
 
 }  // namespace
 
 NeighborSearch::NeighborSearch(const Samples& samples, SearchOptions options,
                                const Execution& execution)
-    : method_(choose(samples, options.method)) {
+    : method_(choose(samples, options.method, execution)) {
   execution.poll();
   switch (method_) {
     case SearchMethod::kKdTree:

@@ -3,11 +3,16 @@
 // would not be ties.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <limits>
 
 namespace remanifold::detail {
 
-inline double squared_distance(const double* a, const double* b, std::size_t dim) {
+/// \param worst  beyond this the value does not matter, as long as it is larger
+inline double squared_distance(
+    const double* a, const double* b, std::size_t dim,
+    double worst = std::numeric_limits<double>::infinity()) {
   if (dim < 8) {
     double sum = 0;
     for (std::size_t i = 0; i < dim; ++i) {
@@ -16,17 +21,25 @@ inline double squared_distance(const double* a, const double* b, std::size_t dim
     }
     return sum;
   }
+  constexpr std::size_t stride = 32;  // coordinates between looks at `worst`
   double s0 = 0, s1 = 0, s2 = 0, s3 = 0;
   std::size_t i = 0;
-  for (; i + 4 <= dim; i += 4) {
-    const double d0 = a[i] - b[i];
-    const double d1 = a[i + 1] - b[i + 1];
-    const double d2 = a[i + 2] - b[i + 2];
-    const double d3 = a[i + 3] - b[i + 3];
-    s0 += d0 * d0;
-    s1 += d1 * d1;
-    s2 += d2 * d2;
-    s3 += d3 * d3;
+  while (i + 4 <= dim) {
+    const std::size_t end = std::min(i + stride, dim - dim % 4);
+    for (; i < end; i += 4) {
+      const double d0 = a[i] - b[i];
+      const double d1 = a[i + 1] - b[i + 1];
+      const double d2 = a[i + 2] - b[i + 2];
+      const double d3 = a[i + 3] - b[i + 3];
+      s0 += d0 * d0;
+      s1 += d1 * d1;
+      s2 += d2 * d2;
+      s3 += d3 * d3;
+    }
+    // Rounded sums of squares never decrease.
+    if ((s0 + s1) + (s2 + s3) > worst) {
+      return (s0 + s1) + (s2 + s3);
+    }
   }
   for (; i < dim; ++i) {
     const double d = a[i] - b[i];
