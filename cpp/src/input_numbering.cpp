@@ -2,8 +2,27 @@
 #include "remanifold/input_numbering.hpp"
 
 #include <algorithm>
+#include <numeric>
+
+#include "detail/parallel.hpp"
 
 namespace remanifold {
+namespace {
+
+constexpr Offset kBlock = 1024;
+
+/// Offsets of rows that move to the input numbers of their samples.
+std::vector<Offset> row_offsets(const Samples& samples,
+                                const std::vector<Offset>& offsets) {
+  std::vector<Offset> result(static_cast<std::size_t>(samples.input_size()) + 1, 0);
+  for (Index i = 0; i < samples.size(); ++i) {
+    result[samples.input_index(i) + 1] = offsets[i + 1] - offsets[i];
+  }
+  std::partial_sum(result.begin(), result.end(), result.begin());
+  return result;
+}
+
+}  // namespace
 
 TangentSpaces to_input(const Samples& samples, const TangentSpaces& tangents) {
   const std::vector<Index> canonical = samples.canonical_indices();
@@ -28,59 +47,57 @@ TangentSpaces to_input(const Samples& samples, const TangentSpaces& tangents) {
   return result;
 }
 
-Csr edge_sets_to_input(const Samples& samples, const LocalRegions& regions) {
+Csr edge_sets_to_input(const Samples& samples, const LocalRegions& regions,
+                       const Execution& execution) {
   const Csr& csr = regions.edge_sets;
-  const Index n = samples.input_size();
   Csr result;
-  result.offsets.assign(static_cast<std::size_t>(n) + 1, 0);
-  for (Index i = 0; i < samples.size(); ++i) {
-    result.offsets[samples.input_index(i) + 1] = csr.size(i);
-  }
-  for (Index i = 0; i < n; ++i) {
-    result.offsets[i + 1] += result.offsets[i];
-  }
+  detail::begin_step(execution, Step::kComplex, samples.size());
+  result.offsets = row_offsets(samples, csr.offsets);
   result.indices.resize(csr.indices.size());
-  for (Index i = 0; i < samples.size(); ++i) {
-    Index* row = result.indices.data() + result.offsets[samples.input_index(i)];
-    std::transform(csr.begin(i), csr.end(i), row,
-                   [&](Index j) { return samples.input_index(j); });
-    std::sort(row, row + csr.size(i));
-  }
+  detail::for_each_block(samples.size(), kBlock, execution, [&](Offset begin, Offset end) {
+    for (Offset i = begin; i < end; ++i) {
+      Index* row = result.indices.data() +
+                   result.offsets[samples.input_index(static_cast<Index>(i))];
+      std::transform(csr.begin(i), csr.end(i), row,
+                     [&](Index j) { return samples.input_index(j); });
+      std::sort(row, row + csr.size(i));
+    }
+  });
   return result;
 }
 
-Csr stars_to_input(const Samples& samples, const LocalRegions& regions) {
-  const Index n = samples.input_size();
+Csr stars_to_input(const Samples& samples, const LocalRegions& regions,
+                   const Execution& execution) {
   const int dim = regions.dim;
   Csr result;
-  result.offsets.assign(static_cast<std::size_t>(n) + 1, 0);
-  for (Index i = 0; i < samples.size(); ++i) {
-    result.offsets[samples.input_index(i) + 1] =
-        regions.star_offsets[i + 1] - regions.star_offsets[i];
-  }
-  for (Index i = 0; i < n; ++i) {
-    result.offsets[i + 1] += result.offsets[i];
-  }
+  detail::begin_step(execution, Step::kComplex, samples.size());
+  result.offsets = row_offsets(samples, regions.star_offsets);
   result.indices.resize(result.offsets.back() * (dim + 1));
-  std::vector<std::vector<Index>> star;
-  for (Index i = 0; i < samples.size(); ++i) {
-    star.clear();
-    for (Offset s = regions.star_offsets[i]; s < regions.star_offsets[i + 1]; ++s) {
-      std::vector<Index> simplex;
-      for (int k = 0; k < dim; ++k) {
-        simplex.push_back(samples.input_index(regions.stars[s * dim + k]));
+  detail::for_each_block(samples.size(), kBlock, execution, [&](Offset begin, Offset end) {
+    std::vector<Index> rows;
+    std::vector<const Index*> order;
+    for (Offset i = begin; i < end; ++i) {
+      const Index self = samples.input_index(static_cast<Index>(i));
+      const Offset first = regions.star_offsets[i] * dim;
+      rows.assign(regions.stars.begin() + first,
+                  regions.stars.begin() + regions.star_offsets[i + 1] * dim);
+      order.clear();
+      for (auto row = rows.begin(); row != rows.end(); row += dim) {
+        std::transform(row, row + dim, row,
+                       [&](Index j) { return samples.input_index(j); });
+        std::sort(row, row + dim);
+        order.push_back(&*row);
       }
-      std::sort(simplex.begin(), simplex.end());
-      star.push_back(std::move(simplex));
+      std::sort(order.begin(), order.end(), [&](const Index* a, const Index* b) {
+        return std::lexicographical_compare(a, a + dim, b, b + dim);
+      });
+      Index* out = result.indices.data() + result.offsets[self] * (dim + 1);
+      for (const Index* row : order) {
+        *out++ = self;
+        out = std::copy(row, row + dim, out);
+      }
     }
-    std::sort(star.begin(), star.end());
-    Index* out =
-        result.indices.data() + result.offsets[samples.input_index(i)] * (dim + 1);
-    for (const std::vector<Index>& simplex : star) {
-      *out++ = samples.input_index(i);
-      out = std::copy(simplex.begin(), simplex.end(), out);
-    }
-  }
+  });
   return result;
 }
 

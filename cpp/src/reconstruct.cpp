@@ -63,8 +63,8 @@ Reconstruction reconstruct(const Samples& samples, const ReconstructOptions& opt
   result.seconds.tangent_spaces -= std::min(result.seconds.tangent_spaces, in_tangents);
   result.seconds.local_regions -= std::min(result.seconds.local_regions, in_regions);
 
-  result.edge_sets = edge_sets_to_input(samples, regions);
-  result.stars = stars_to_input(samples, regions);
+  result.edge_sets = edge_sets_to_input(samples, regions, execution);
+  result.stars = stars_to_input(samples, regions, execution);
   const Csr graph = edge_graph(result.edge_sets, options.edges, execution);
   result.edges = graph_edges(graph);
   result.simplices = clique_complex(graph, tangent.dim, execution);

@@ -108,8 +108,8 @@ py::tuple local_regions(const InputArray<double>& points, const InputArray<doubl
     const LocalRegions regions =
         compute_local_regions(samples, index, found, tangents, execution);
     Result out;
-    out.edge_sets = edge_sets_to_input(samples, regions);
-    out.stars = stars_to_input(samples, regions);
+    out.edge_sets = edge_sets_to_input(samples, regions, execution);
+    out.stars = stars_to_input(samples, regions, execution);
     for (const Index i : samples.canonical_indices()) {
       out.radii.push_back(std::sqrt(regions.squared_radii[i]) * samples.scale());
     }

@@ -4,6 +4,7 @@
 // spaces are repeated for each.
 #pragma once
 
+#include "remanifold/execution.hpp"
 #include "remanifold/local_region.hpp"
 #include "remanifold/samples.hpp"
 #include "remanifold/tangent_space.hpp"
@@ -15,10 +16,12 @@ namespace remanifold {
 TangentSpaces to_input(const Samples& samples, const TangentSpaces& tangents);
 
 /// Rows ascend.
-Csr edge_sets_to_input(const Samples& samples, const LocalRegions& regions);
+Csr edge_sets_to_input(const Samples& samples, const LocalRegions& regions,
+                       const Execution& execution = {});
 
 /// Per sample K + 1 vertices a simplex: the sample itself, then the others ascending; the
 /// simplices of a star are sorted. Offsets count simplices.
-Csr stars_to_input(const Samples& samples, const LocalRegions& regions);
+Csr stars_to_input(const Samples& samples, const LocalRegions& regions,
+                   const Execution& execution = {});
 
 }  // namespace remanifold
