@@ -1,0 +1,691 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What callers rely on besides the numbers: arrays, types, composition, documents."""
+
+import copy
+import doctest
+import gc
+import importlib
+import inspect
+import pickle
+import pkgutil
+import re
+import subprocess
+import sys
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.spatial.distance import cdist
+
+import remanifold as rm
+
+BUG = pytest.mark.xfail(reason="to be fixed")
+
+SEARCHES = ("auto", "kdtree", "brute_force")
+STEPS = ("neighborhoods", "tangent_spaces", "local_regions", "complex")
+
+
+def sample(dim, num=None):
+    num = num or {1: 100, 2: 400, 3: 300, 4: 80}[dim]
+    points = np.random.default_rng(dim).normal(size=(num, dim + 2))
+    points[:, -1] = 0
+    points /= np.linalg.norm(points, axis=1, keepdims=True)
+    points[:, -1] = points[:, 0] * points[:, 1]
+    return points
+
+
+def known_by(kind, points):
+    """The same samples as arguments of a call."""
+    matrix = {
+        "points": lambda: points,
+        "gram": lambda: points @ points.T,
+        "distances": lambda: cdist(points, points),
+    }[kind]()
+    return {kind: matrix}
+
+
+def arrays_of(rec):
+    named = dict(vars(rec))
+    for ragged in ("edge_sets", "stars"):
+        sets = named.pop(ragged)
+        named |= {f"{ragged}.{field}": getattr(sets, field) for field in sets._fields}
+    return {n: v for n, v in named.items() if isinstance(v, np.ndarray)}
+
+
+def assert_same_arrays(found, expected, but=()):
+    found, expected = arrays_of(found), arrays_of(expected)
+    assert set(found) == set(expected)
+    for name in set(expected) - set(but):
+        assert found[name].dtype == expected[name].dtype, name
+        np.testing.assert_array_equal(found[name], expected[name], err_msg=name)
+
+
+def assert_rows_ascend(rows):
+    assert (np.diff(rows, axis=1) > 0).all()
+    assert rows.tolist() == sorted(map(list, {tuple(row) for row in rows.tolist()}))
+
+
+# --- Attributes of a reconstruction ---------------------------------------------
+
+
+@pytest.mark.parametrize("kind", ["points", "gram", "distances"])
+@pytest.mark.parametrize("dim", [1, 2, 3, 4])
+def test_arrays_have_their_shapes(dim, kind):
+    points = sample(dim)
+    n, d = points.shape
+    rec = rm.reconstruct(**known_by(kind, points), dim=dim)
+    m, e = len(rec.simplices), len(rec.edges)
+    s = len(rec.stars.simplices)
+    assert min(m, e, s) > 0
+    expected = {
+        "simplices": ((m, dim + 1), np.int32),
+        "edges": ((e, 2), np.int32),
+        "boundary": ((n,), np.bool_),
+        "tangent_simplices": ((n, dim + 1), np.int32),
+        "edge_sets.offsets": ((n + 1,), np.int64),
+        "edge_sets.indices": ((rec.edge_sets.offsets[-1],), np.int32),
+        "stars.offsets": ((n + 1,), np.int64),
+        "stars.simplices": ((rec.stars.offsets[-1], dim + 1), np.int32),
+        "unbounded": ((n,), np.bool_),
+        "representatives": ((n,), np.int32),
+    }
+    if kind == "points":
+        expected["vertices"] = ((n, d), np.float64)
+        expected["tangents"] = ((n, dim, d), np.float64)
+    found = arrays_of(rec)
+    assert {name: (a.shape, a.dtype) for name, a in found.items()} == expected
+    for name, array in found.items():
+        assert array.flags.c_contiguous, name
+        assert not array.flags.writeable, name
+        with pytest.raises(ValueError, match="read-only"):
+            array[...] = 0
+    if kind != "points":
+        assert rec.vertices is None
+        assert rec.tangents is None
+
+
+@pytest.mark.parametrize("dim", [1, 2, 3, 4])
+@pytest.mark.parametrize("estimator", ["enclosure", "pca", "jet"])
+def test_arrays_mean_what_they_say(dim, estimator):
+    points = sample(dim)
+    rec = rm.reconstruct(points, dim, estimator=estimator)
+    np.testing.assert_array_equal(rec.vertices, points)
+    np.testing.assert_array_equal(rec.representatives, np.arange(len(points)))
+    assert_rows_ascend(rec.simplices)
+    assert_rows_ascend(rec.edges)
+
+    bases = rec.tangents[~rec.boundary]
+    products = bases @ bases.transpose(0, 2, 1)
+    np.testing.assert_allclose(
+        products, np.broadcast_to(np.eye(dim), products.shape), atol=1e-12
+    )
+    assert np.isnan(rec.tangents[rec.boundary]).all()
+    has_tuple = (rec.tangent_simplices >= 0).all(axis=1)
+    assert (rec.tangent_simplices[~has_tuple] == -1).all()
+    expected = ~rec.boundary if estimator == "enclosure" else np.zeros_like(has_tuple)
+    np.testing.assert_array_equal(has_tuple, expected)
+    for x in np.flatnonzero(has_tuple):
+        away = np.linalg.norm(points[rec.tangent_simplices[x]] - points[x], axis=1)
+        assert (np.diff(away) >= 0).all()
+
+    seen = set()
+    for x, (begin, end) in enumerate(pairwise(rec.edge_sets.offsets)):
+        edge_set = rec.edge_sets.indices[begin:end]
+        assert (np.diff(edge_set) > 0).all()
+        assert x not in edge_set
+        assert not rec.boundary[x] or not len(edge_set)
+        seen |= {(x, y) for y in edge_set.tolist()}
+    mutual = sorted([x, y] for x, y in seen if x < y and (y, x) in seen)
+    assert rec.edges.tolist() == mutual
+
+    for x, (begin, end) in enumerate(pairwise(rec.stars.offsets)):
+        star = rec.stars.simplices[begin:end]
+        assert (star[:, 0] == x).all()
+        if end > begin:
+            assert_rows_ascend(star[:, 1:])
+        assert not rec.boundary[x] or not len(star)
+        assert all((x, y) in seen for y in star[:, 1:].ravel().tolist())
+    assert not rec.unbounded[rec.boundary].any()
+
+
+def test_scalars_say_how():
+    rec = rm.reconstruct(sample(2), 2)
+    assert (rec.dim, rec.ambient_dim, rec.num_samples) == (2, 4, 400)
+    assert (rec.method, rec.estimator, rec.rule) == ("paper", "enclosure", "mutual")
+    assert (rec.num_neighbors, rec.recall) == (20, 1.0)
+    assert rec.search in SEARCHES
+    assert tuple(rec.timings) == STEPS
+    for step, seconds in rec.timings.items():
+        assert isinstance(seconds, float), step
+        assert 0 <= seconds < 60, step
+    rec = rm.reconstruct(
+        gram=np.eye(9),
+        dim=3,
+        estimator="jet",
+        edges="either",
+        num_neighbors=7,
+        search="brute_force",
+    )
+    assert (rec.dim, rec.ambient_dim, rec.num_samples) == (3, None, 9)
+    assert (rec.method, rec.estimator, rec.rule) == ("paper", "jet", "either")
+    assert (rec.num_neighbors, rec.search) == (7, "brute_force")
+
+
+def test_attributes_cannot_be_replaced():
+    rec = rm.reconstruct(sample(1), 1)
+    for result in (rec, rec.topology(), rec.repair):
+        with pytest.raises(AttributeError):
+            result.method = "other"
+    with pytest.raises(AttributeError):
+        rec.repair = None
+
+
+def test_every_attribute_is_documented():
+    for kind in (rm.Reconstruction, rm.Topology, rm.Repair):
+        section = inspect.getdoc(kind).partition("Attributes\n----------\n")[2]
+        names = re.findall(r"^(\w[\w, ]*) :", section, flags=re.MULTILINE)
+        documented = {name.strip() for group in names for name in group.split(",")}
+        fields = {f for f in kind.__dataclass_fields__ if not f.startswith("_")}
+        assert documented == fields
+
+
+def test_reports_are_computed_once():
+    rec = rm.reconstruct(sample(2), 2)
+    assert rec.topology() is rec.topology()
+    assert rec.repair is rec.repair
+
+
+def test_component_labels():
+    circle = sample(1)
+    rec = rm.reconstruct(np.vstack([circle + 9, circle, [[99] * 3], circle[:1]]), 1)
+    labels = rec.component_labels()
+    assert labels.dtype == np.int32
+    assert rec.topology().components == labels.max() + 1
+    used = np.isin(np.arange(202), rec.simplices)
+    np.testing.assert_array_equal(labels >= 0, used)
+    assert labels[200:].tolist() == [-1, -1]
+    for x, y in rec.edges:
+        assert labels[x] == labels[y]
+    firsts = [np.flatnonzero(labels == c)[0] for c in range(labels.max() + 1)]
+    assert firsts == sorted(firsts)
+
+
+# --- What goes in ---------------------------------------------------------------
+
+
+@pytest.mark.parametrize("dtype", [np.float64, np.complex128])
+def test_points_are_not_copied(dtype):
+    points = sample(2).view(dtype)
+    assert points.flags.c_contiguous
+    rec = rm.reconstruct(points, 2)
+    assert np.shares_memory(rec.vertices, points)
+    assert points.flags.writeable
+    assert not rec.vertices.flags.writeable
+    again = rm.reconstruct(rec.vertices, 2)
+    assert np.shares_memory(again.vertices, points)
+
+
+@pytest.mark.parametrize("kind", ["points", "gram", "distances"])
+def test_arguments_stay_as_they_are(kind):
+    (name, matrix), *_ = known_by(kind, sample(2)).items()
+    before = matrix.copy()
+    rec = rm.reconstruct(**{name: matrix}, dim=2)
+    rm.neighborhoods(**{name: matrix}, num_neighbors=5)
+    if kind == "points":
+        tangents = rm.tangent_spaces(matrix, 2)
+        rm.edge_sets(matrix, tangents.bases, tangents.boundary)
+        rm.clique_complex(*rec.edge_sets, 2)
+        assert tangents.bases.flags.writeable
+    assert matrix.flags.writeable
+    np.testing.assert_array_equal(matrix, before)
+
+
+def with_gaps(array):
+    wide = np.full(tuple(2 * n for n in array.shape), np.nan, dtype=array.dtype)
+    gaps = wide[tuple(slice(None, None, 2) for _ in array.shape)]
+    gaps[...] = array
+    return gaps
+
+
+def read_only(array):
+    array = array.copy()
+    array.flags.writeable = False
+    return array
+
+
+LAYOUTS = {
+    "float32": lambda a: a.astype(np.float32),
+    "float16": lambda a: a.astype(np.float16),
+    "longdouble": lambda a: a.astype(np.longdouble),
+    "int64": lambda a: a.astype(np.int64),
+    "int8": lambda a: a.astype(np.int8),
+    "objects": lambda a: a.astype(object),
+    "big_endian": lambda a: a.astype(">f8"),
+    "fortran": np.asfortranarray,
+    "lists": np.ndarray.tolist,
+    "tuples": lambda a: tuple(map(tuple, a.tolist())),
+    "gaps": with_gaps,
+    "backwards": lambda a: np.ascontiguousarray(a[::-1])[::-1],
+    "read_only": read_only,
+    "matrix_subclass": lambda a: a.view(np.matrix),
+}
+COMPLEX_LAYOUTS = {
+    "complex128": lambda a: a.view(np.complex128),
+    "complex64": lambda a: a.view(np.complex128).astype(np.complex64),
+    "complex_fortran": lambda a: np.asfortranarray(a.view(np.complex128)),
+    "complex_gaps": lambda a: with_gaps(a.view(np.complex128)),
+    "complex_lists": lambda a: a.view(np.complex128).tolist(),
+}
+
+
+@pytest.mark.parametrize("layout", [*LAYOUTS, *COMPLEX_LAYOUTS])
+def test_layout_of_points_makes_no_difference(layout):
+    # Small integers are exact in all types.
+    points = np.round(100 * sample(2, num=150))
+    expected = rm.reconstruct(points, 2)
+    assert len(expected.simplices)
+    given = (LAYOUTS | COMPLEX_LAYOUTS)[layout](points)
+    assert_same_arrays(rm.reconstruct(given, 2), expected)
+    for found, wanted in zip(
+        rm.neighborhoods(given, 9), rm.neighborhoods(points, 9), strict=True
+    ):
+        np.testing.assert_array_equal(found, wanted)
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+@pytest.mark.parametrize("kind", ["gram", "distances"])
+def test_layout_of_products_makes_no_difference(kind, layout):
+    points = np.round(9 * sample(2, num=60))
+    matrix = points @ points.T
+    if kind == "distances":
+        # Integers that are the distances of points: the l1 metric embeds squared.
+        matrix = np.abs(points[:, None] - points).sum(axis=2)
+    matrix = np.clip(matrix, -128, 127) if layout == "int8" else matrix
+    if kind == "gram" and layout == "int8":
+        matrix = np.diag(np.arange(60.0))
+    expected = rm.reconstruct(**{kind: matrix}, dim=2)
+    found = rm.reconstruct(**{kind: LAYOUTS[layout](matrix)}, dim=2)
+    assert_same_arrays(found, expected)
+
+
+@pytest.mark.parametrize(
+    "layout",
+    [
+        *(name for name in LAYOUTS if "int" not in name and "matrix" not in name),
+        *("complex128", "complex64", "complex_lists"),
+        *(pytest.param(f"complex_{name}", marks=BUG) for name in ("fortran", "gaps")),
+    ],
+)
+def test_layout_of_bases_makes_no_difference(layout):
+    points = sample(2)
+    tangents = rm.tangent_spaces(points, 2)
+    bases = tangents.bases.astype(np.float16).astype(np.float64)
+    bases[:] = np.round(bases)  # axes, orthonormal in every type
+    frame = np.eye(2, 4)
+    bases[~tangents.boundary] = frame
+    expected = rm.local_regions(points, bases)
+    given = (LAYOUTS | COMPLEX_LAYOUTS)[layout](bases)
+    found = rm.local_regions(points, given, tangents.boundary.tolist())
+    assert len(expected.edge_sets.indices)
+    np.testing.assert_array_equal(found.radii, expected.radii)
+    for sets in ("edge_sets", "stars"):
+        for part, wanted in zip(
+            getattr(found, sets), getattr(expected, sets), strict=True
+        ):
+            np.testing.assert_array_equal(part, wanted)
+
+
+def test_complex_samples_have_the_real_part_of_their_product():
+    points = sample(2)
+    numbers = points.view(np.complex128)
+    rec = rm.reconstruct(numbers, 2)
+    assert rec.ambient_dim == 4
+    by_gram = rm.reconstruct(gram=numbers @ numbers.conj().T, dim=2)
+    np.testing.assert_array_equal(by_gram.simplices, rec.simplices)
+    assert len(rec.simplices)
+
+
+# --- Lifetime and copies --------------------------------------------------------
+
+
+def pickled(value):
+    return pickle.loads(pickle.dumps(value))
+
+
+def test_results_outlive_their_inputs():
+    expected = rm.reconstruct(sample(2), 2)
+    points = sample(2)
+    rec = rm.reconstruct(points, 2)
+    found = arrays_of(rec)
+    views = {name: array[1:] for name, array in found.items()}
+    tangents = rm.tangent_spaces(points, 2)
+    regions = rm.local_regions(points, tangents.bases, tangents.boundary)
+    del points, rec, found, tangents
+    gc.collect()
+    _ = [np.full(2**k, 7.0) for k in range(4, 20)]  # reuse what was freed
+    for name, array in arrays_of(expected).items():
+        np.testing.assert_array_equal(views[name], array[1:], err_msg=name)
+    np.testing.assert_array_equal(regions.stars.simplices, expected.stars.simplices)
+    np.testing.assert_array_equal(regions.edge_sets.indices, expected.edge_sets.indices)
+
+
+@pytest.mark.parametrize("duplicate", [copy.copy, copy.deepcopy, pickled])
+@pytest.mark.parametrize("kind", ["points", "gram"])
+@pytest.mark.parametrize("reported", [False, True])
+def test_results_can_be_pickled(duplicate, kind, reported):
+    rec = rm.reconstruct(**known_by(kind, sample(2)), dim=2)
+    if reported:
+        assert rec.topology().betti_numbers[0] >= 1
+        assert rec.repair.num_callouses >= 0
+    twin = duplicate(rec)
+    assert_same_arrays(twin, rec)
+    assert repr(twin) == repr(rec)
+    for name in ("dim", "ambient_dim", "search", "num_neighbors", "timings"):
+        assert getattr(twin, name) == getattr(rec, name)
+    assert isinstance(twin.edge_sets, rm.EdgeSets)
+    assert twin.topology().betti_numbers == rec.topology().betti_numbers
+    np.testing.assert_array_equal(twin.repair.callous_faces, rec.repair.callous_faces)
+
+
+@pytest.mark.parametrize("duplicate", [copy.deepcopy, pickled])
+@BUG
+def test_copies_are_read_only(duplicate):
+    rec = rm.reconstruct(sample(1), 1)
+    twin = duplicate(rec)
+    assert not any(array.flags.writeable for array in arrays_of(twin).values())
+
+
+def test_reports_can_be_pickled():
+    rec = rm.reconstruct(sample(3), 3)
+    topology = rec.topology()
+    for _ in range(2):  # before and after its homology is known
+        twin = pickled(topology)
+        assert repr(twin) == repr(topology)
+        assert twin.betti_numbers == topology.betti_numbers
+        assert twin.betti_numbers_mod3 == topology.betti_numbers_mod3
+        np.testing.assert_array_equal(
+            twin.singular_vertices, topology.singular_vertices
+        )
+    twin = pickled(rec.repair)
+    for name, value in vars(rec.repair).items():
+        np.testing.assert_array_equal(getattr(twin, name), value, err_msg=name)
+
+
+@pytest.mark.parametrize(
+    "steps",
+    [
+        lambda points: rm.neighborhoods(points, 5),
+        lambda points: rm.tangent_spaces(points, 1),
+        lambda points: rm.local_regions(points, rm.tangent_spaces(points, 1).bases),
+    ],
+)
+def test_steps_can_be_pickled(steps):
+    result = steps(sample(1))
+    twin = pickled(result)
+    assert type(twin) is type(result)
+    assert repr(twin) == repr(result)
+
+
+def test_results_can_be_compared_and_hashed():
+    rec = rm.reconstruct(sample(1), 1)
+    twin = pickled(rec)
+    for result, other in ((rec, twin), (rec.topology(), twin.topology())):
+        assert result != other
+        assert len({result, other}) == 2
+
+
+@BUG
+def test_repair_reports_can_be_compared_and_hashed():
+    rec = rm.reconstruct(sample(2), 2)
+    twin = pickled(rec.repair)
+    assert isinstance(rec.repair == twin, bool)
+    assert len({rec.repair, rec.repair}) == 1
+
+
+def test_repr():
+    points = sample(2)
+    rec = rm.reconstruct(points, 2)
+    m = len(rec.simplices)
+    text = f"samples=400, ambient_dim=4, dim=2, simplices={m}, method='paper'"
+    assert repr(rec) == f"Reconstruction({text})"
+    text = text.replace("ambient_dim=4, ", "")
+    by_gram = rm.reconstruct(gram=points @ points.T, dim=2)
+    assert repr(by_gram) == f"Reconstruction({text})"
+    topology = repr(rec.topology())
+    assert topology.startswith("Topology(dim=2, num_simplices=(")
+    assert "array" not in topology
+    assert repr(rec.repair).startswith("Repair(method='paper', ")
+
+
+# --- Composition ----------------------------------------------------------------
+
+
+@pytest.mark.parametrize("dim", [1, 2, 3, 4])
+@pytest.mark.parametrize("estimator", ["enclosure", "pca", "jet"])
+def test_steps_compose_to_the_whole(dim, estimator):
+    points = sample(dim)
+    points = np.vstack([points, points[3:9]])
+    expected = rm.reconstruct(points, dim, estimator=estimator)
+    tangents = rm.tangent_spaces(points, dim, estimator=estimator)
+    np.testing.assert_array_equal(tangents.bases, expected.tangents)
+    np.testing.assert_array_equal(tangents.simplices, expected.tangent_simplices)
+    np.testing.assert_array_equal(tangents.boundary, expected.boundary)
+    regions = rm.local_regions(points, tangents.bases, tangents.boundary)
+    np.testing.assert_array_equal(regions.unbounded, expected.unbounded)
+    np.testing.assert_array_equal(np.isinf(regions.radii), regions.unbounded)
+    np.testing.assert_array_equal(np.isnan(regions.radii), expected.boundary)
+    np.testing.assert_array_equal(regions.stars.offsets, expected.stars.offsets)
+    np.testing.assert_array_equal(regions.stars.simplices, expected.stars.simplices)
+    # Samples without a basis need not be marked.
+    for boundary in (None, tangents.boundary):
+        sets = rm.edge_sets(points, tangents.bases, boundary)
+        np.testing.assert_array_equal(sets.offsets, expected.edge_sets.offsets)
+        np.testing.assert_array_equal(sets.indices, expected.edge_sets.indices)
+    for edges in ("mutual", "either"):
+        whole = rm.reconstruct(points, dim, estimator=estimator, edges=edges)
+        np.testing.assert_array_equal(
+            rm.clique_complex(*sets, dim, edges), whole.simplices
+        )
+        np.testing.assert_array_equal(rm.clique_complex(*sets, 1, edges), whole.edges)
+        assert len(whole.simplices)
+
+
+def test_marked_samples_have_no_region():
+    points = sample(2)
+    tangents = rm.tangent_spaces(points, 2)
+    marked = np.zeros(400, dtype=bool)
+    marked[:50] = True
+    regions = rm.local_regions(points, tangents.bases, marked)
+    assert regions.edge_sets.offsets[50] == regions.stars.offsets[50] == 0
+    assert np.isnan(regions.radii[:50]).all()
+    rest = rm.local_regions(points, tangents.bases)
+    np.testing.assert_array_equal(regions.radii[50:], rest.radii[50:])
+
+
+@pytest.mark.parametrize("dim", [1, 2, 3])
+def test_either_contains_mutual(dim):
+    points = sample(dim)
+    mutual = rm.reconstruct(points, dim)
+    either = rm.reconstruct(points, dim, edges="either")
+    assert_same_arrays(either, mutual, but=("edges", "simplices"))
+    for name in ("edges", "simplices"):
+        few, more = (
+            {tuple(row) for row in getattr(rec, name).tolist()}
+            for rec in (mutual, either)
+        )
+        assert few < more, name
+
+
+@pytest.mark.parametrize("dim", [1, 2, 3])
+def test_copies_are_mapped_back(dim):
+    points = sample(dim)
+    n = len(points)
+    single = rm.reconstruct(points, dim)
+    copied = rm.reconstruct(np.vstack([points, points[5:8], points[5:6]]), dim)
+    copies = [*range(n), 5, 6, 7, 5]
+    np.testing.assert_array_equal(copied.representatives, copies)
+    for name in ("simplices", "edges"):
+        np.testing.assert_array_equal(getattr(copied, name), getattr(single, name))
+    for name in ("boundary", "unbounded", "tangents", "tangent_simplices"):
+        np.testing.assert_array_equal(
+            getattr(copied, name), getattr(single, name)[copies], err_msg=name
+        )
+    for sets in ("edge_sets", "stars"):
+        found, expected = getattr(copied, sets), getattr(single, sets)
+        np.testing.assert_array_equal(found.offsets[: n + 1], expected.offsets)
+        assert (found.offsets[n:] == expected.offsets[-1]).all()
+        np.testing.assert_array_equal(found[1], expected[1])
+    assert copied.repair.merged_samples == 4
+    assert copied.repair.unused_vertices.tolist() == (
+        single.repair.unused_vertices.tolist()
+    )
+
+
+# --- Searches -------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("search", SEARCHES)
+@pytest.mark.parametrize("ambient", [3, 30])
+def test_exact_searches_agree_and_do_not_warn(search, ambient):
+    points = rm.datasets.embed(sample(2)[:, :3], ambient, random_state=0)
+    expected = rm.reconstruct(points, 2)
+    found = rm.reconstruct(points, 2, search=search, checks=1)
+    assert_same_arrays(found, expected)
+    assert found.recall == 1
+    assert search in ("auto", found.search)
+
+
+FRAMES = np.broadcast_to(np.eye(1, 30), (2000, 1, 30))
+
+
+def vague():
+    return np.random.default_rng(0).normal(size=(2000, 12))
+
+
+def test_a_search_of_few_leaves_warns():
+    points = vague()
+    exact = rm.neighborhoods(points, 10)
+    found = []
+    for num_threads in (1, 2):
+        with pytest.warns(rm.RecallWarning, match=r"found \d\d\.\d\d% of") as caught:
+            near = rm.neighborhoods(
+                points, 10, search="approximate", checks=16, num_threads=num_threads
+            )
+        assert [warning.filename for warning in caught] == [__file__]
+        found.append(near)
+    for one, other, best in zip(*found, exact, strict=True):
+        np.testing.assert_array_equal(one, other)
+        assert (one != best).any()
+    with pytest.warns(rm.RecallWarning):
+        recs = [
+            rm.reconstruct(points, 1, search="approximate", checks=16) for _ in "ab"
+        ]
+    assert_same_arrays(*recs)
+    assert recs[0].recall == recs[1].recall
+    assert 0.1 < recs[0].recall < 0.9
+    assert recs[0].search == "approximate"
+
+
+def test_a_search_of_all_leaves_does_not_warn():
+    points = vague()
+    near = rm.neighborhoods(points, 10, search="approximate", checks=10**6)
+    np.testing.assert_array_equal(near.indices, rm.neighborhoods(points, 10).indices)
+    rec = rm.reconstruct(sample(2), 2, search="approximate", checks=10**6)
+    assert_same_arrays(rec, rm.reconstruct(sample(2), 2))
+    assert rec.recall == 1
+
+
+@pytest.mark.parametrize(
+    "step",
+    [
+        lambda points, **search: rm.tangent_spaces(points, 1, **search),
+        lambda points, **search: rm.edge_sets(points, FRAMES, **search),
+        lambda points, **search: rm.local_regions(points, FRAMES, **search),
+    ],
+)
+@BUG
+def test_every_step_warns_of_a_poor_search(step):
+    points = np.random.default_rng(0).normal(size=(2000, 30))
+    with pytest.warns(rm.RecallWarning):
+        step(points, search="approximate")
+
+
+def test_warnings_have_a_common_base():
+    assert issubclass(rm.RecallWarning, rm.RemanifoldWarning)
+    assert issubclass(rm.RemanifoldWarning, UserWarning)
+
+
+# --- The package ----------------------------------------------------------------
+
+MODULES = [
+    f"remanifold.{module.name}"
+    for module in pkgutil.iter_modules(rm.__path__)
+    if not module.name.startswith("_")
+]
+
+
+def test_import_is_light():
+    script = "import sys, remanifold; print(*sys.modules)"
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    )
+    loaded = done.stdout.split()
+    assert "remanifold.steps" in loaded
+    heavy = {"typer", "click", "rich", "meshio", "gudhi", "matplotlib", "scipy"}
+    assert not heavy.intersection(loaded)
+
+
+def test_all_is_complete():
+    public = {
+        name
+        for name, value in vars(rm).items()
+        if not name.startswith("_")
+        and getattr(value, "__module__", "remanifold").startswith("remanifold")
+        and not (inspect.ismodule(value) and name not in ("datasets", "io"))
+    }
+    assert {*rm.__all__} == public | {"__version__"}
+    assert len(rm.__all__) == len(set(rm.__all__))
+    for module in (rm.datasets, rm.io):
+        own = {
+            name
+            for name, value in vars(module).items()
+            if not name.startswith("_") and inspect.isfunction(value)
+            if value.__module__ == module.__name__
+        }
+        assert own <= {*module.__all__}
+        assert all(hasattr(module, name) for name in module.__all__)
+
+
+def public_functions():
+    for module in (rm, rm.datasets, rm.io):
+        for name in module.__all__:
+            value = getattr(module, name)
+            if inspect.isfunction(value):
+                marks = BUG if value is rm.edge_sets else ()
+                yield pytest.param(value, id=f"{module.__name__}.{name}", marks=marks)
+
+
+@pytest.mark.parametrize("function", [*public_functions()])
+def test_functions_are_documented(function):
+    text = inspect.getdoc(function)
+    parts = re.split(r"^(\w[\w ]*)\n-+\n", text, flags=re.MULTILINE)
+    summary, sections = parts[0], dict(zip(parts[1::2], parts[2::2], strict=True))
+    assert summary.splitlines()[0].endswith(".")
+    signature = inspect.signature(function)
+    entries = re.findall(r"^(\w[\w, *]*)(?: :|$)", sections["Parameters"], re.MULTILINE)
+    documented = [name.strip(" *") for entry in entries for name in entry.split(",")]
+    assert sorted(documented) == sorted(signature.parameters)
+    if signature.return_annotation not in (None, "None"):
+        assert sections["Returns"].strip()
+
+
+@pytest.mark.parametrize("name", ["remanifold", *MODULES])
+def test_examples_in_docstrings(name):
+    result = doctest.testmod(importlib.import_module(name))
+    assert result.failed == 0
+    with_examples = ("remanifold", "datasets", "io", "reconstruction", "steps")
+    assert (result.attempted > 0) == (name.rpartition(".")[2] in with_examples)
+
+
+def test_version():
+    assert re.fullmatch(r"\d+\.\d+\.\d+\S*", rm.__version__)
