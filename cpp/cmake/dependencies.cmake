@@ -5,7 +5,7 @@
 macro(remanifold_find_package name debian_package)
   find_package(${name} QUIET ${ARGN})
   if(NOT ${name}_FOUND)
-    message(FATAL_ERROR "remanifold needs ${name} ${ARGN}. "
+    message(FATAL_ERROR "remanifold needs ${name} ${ARGV2}. "
                         "On Debian: apt-get install ${debian_package}")
   endif()
 endmacro()

@@ -28,8 +28,10 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Beyond this multiple of the neighborhood the region is certified corner by corner
 /// instead of asking for yet more neighbors.
 constexpr Index kMaxGrowth = 4;
-/// Samples asked for around a corner, at first.
-constexpr Index kCornerCount = 8;
+/// Samples asked for around a corner at first, and at most this times the root of N: where
+/// more are as far from it as x, all are gone through.
+constexpr Offset kCornerCount = 8;
+constexpr double kMaxCornerShare = 4;
 /// Samples measured at a time while going through all, and new halfspaces after which the
 /// region is brought up to date.
 constexpr Index kScanBlock = 1024;
@@ -72,7 +74,11 @@ class RegionKernel {
         query_(search.query(execution)),
         hull_(detail::make_convex_hull(dim_)),
         first_batch_(4 * dim_),
-        ahead_(std::min(neighborhoods.count, typical_count(dim_))) {}
+        ahead_(std::min(neighborhoods.count, typical_count(dim_))),
+        largest_weight_(*std::max_element(weights.begin(), weights.end())),
+        max_corner_count_(static_cast<Offset>(
+            kMaxCornerShare * std::sqrt(static_cast<double>(samples.size())))),
+        joined_(dim_, false) {}
 
   /// Reads the coordinates of the nearest neighbors of a few samples ahead of compute(),
   /// so that large D does not slow down what comes between.
@@ -158,8 +164,8 @@ class RegionKernel {
   struct Corner {
     Vector position;
     double length;
-    double volume;  // spanned by the unit normals
-    double slack;
+    double error;  // of the position, in units of the length
+    bool flat;     // no corner, but a direction without end
   };
 
   int dim() const { return K == Eigen::Dynamic ? dim_ : K; }
@@ -178,9 +184,7 @@ class RegionKernel {
     tangent_coordinates_.leftCols(ahead_) = ahead_coordinates_.middleCols(first, ahead_);
     std::copy_n(ahead_distances_.data() + first, ahead_, squared_distances_.data());
     measured_ = static_cast<std::size_t>(ahead_);
-    end_ = detail::kEndOfRegion *
-           (list_.empty() ? 1.0 : std::sqrt(squared_distances_.front()));
-    hull_->restart(dim(), 1 / end_);
+    hull_->restart(dim(), 1 / detail::kEndOfRegion);
   }
 
   void make_room() {
@@ -292,7 +296,8 @@ class RegionKernel {
   bool is_redundant(const Vector& normal, double offset) const {
     const double length = normal.norm();
     for (const Corner& corner : corners_) {
-      const double slack = corner.slack * (length * corner.length + offset);
+      const double slack = std::max(detail::kRedundantSlack, corner.error) *
+                           (length * corner.length + offset);
       if (!(normal.dot(corner.position) <= offset - slack)) {
         return false;
       }
@@ -315,8 +320,8 @@ class RegionKernel {
     for (Offset first = 0; first < num_ids; first += dim()) {
       const Index* facet = hull_->facets().data() + first;
       corners_.push_back(corner_of(facet));
-      if (std::any_of(facet, facet + dim(), ConvexHull::is_start) ||
-          corners_.back().volume < detail::kFlatSimplex) {
+      if (corners_.back().flat ||
+          std::any_of(facet, facet + dim(), ConvexHull::is_start)) {
         bounded = false;
       } else {
         radius = std::max(radius, corners_.back().length);
@@ -330,6 +335,7 @@ class RegionKernel {
   Corner corner_of(const Index* facet) const {
     Square normals(dim(), dim());
     Vector offsets(dim());
+    double lengths = 1;
     for (int i = 0; i < dim(); ++i) {
       const Index id = facet[i];
       if (ConvexHull::is_start(id)) {
@@ -337,74 +343,136 @@ class RegionKernel {
           normals(i, axis) =
               ConvexHull::start_coordinate(dim(), ConvexHull::start_vertex(id), axis);
         }
-        offsets[i] = end_;
+        offsets[i] = detail::kEndOfRegion;
       } else {
         normals.row(i) = halfspaces_[id].normal.transpose();
         offsets[i] = halfspaces_[id].offset;
       }
     }
+    const double tree = shortest_tree(normals);
     for (int i = 0; i < dim(); ++i) {
       const double length = normals.row(i).norm();
       normals.row(i) /= length;
       offsets[i] /= length;
+      lengths *= length;
     }
     const Eigen::PartialPivLU<Square> factors(normals);
-    Corner corner{factors.solve(offsets), 0, std::abs(factors.determinant()), 0};
+    const double volume = std::abs(factors.determinant());
+    Corner corner{factors.solve(offsets), 0, detail::kCornerError / volume,
+                  volume * lengths < detail::kFlatSimplex * tree};
     corner.length = corner.position.norm();
-    corner.slack =
-        std::max(detail::kRedundantSlack, detail::kCornerError / corner.volume);
     return corner;
   }
 
-  /// Cuts by the samples nearest to each corner until no corner is nearer to a sample than
-  /// to x. Exact like the security radius, at a cost that does not depend on the size of
-  /// the region: for the few long regions of tilted tangent spaces.
-  /// \returns false where the region is unbounded or the search knows no positions
-  bool certify_corners() {
-    while (limit_ < kInfinity) {
-      for (const Corner& corner : corners_) {
-        if (!cut_corner(corner.position)) {
-          return false;
+  /// Product of the edges of the shortest tree on the origin and the rows.
+  double shortest_tree(const Square& rows) const {
+    if (dim() == 1) {
+      return std::abs(rows(0, 0));
+    }
+    Vector distance = rows.rowwise().squaredNorm();
+    double product = 1;
+    for (int joined = 0; joined < dim(); ++joined) {
+      int next = 0;
+      const double nearest = distance.minCoeff(&next);
+      product *= nearest;
+      for (int i = 0; i < dim(); ++i) {
+        distance[i] = i == next ? kInfinity
+                                : std::min(distance[i],
+                                           (rows.row(i) - rows.row(next)).squaredNorm());
+      }
+      // Those that have joined stay out.
+      joined_[next] = true;
+      for (int i = 0; i < dim(); ++i) {
+        if (joined_[i]) {
+          distance[i] = kInfinity;
         }
       }
-      if (fresh_ == 0) {
+    }
+    std::fill(joined_.begin(), joined_.end(), false);
+    return std::sqrt(product);
+  }
+
+  /// Cuts by the samples nearest to each corner until no corner is nearer to a sample than
+  /// to x, corners where the region is cut off included. Exact like the security radius,
+  /// at a cost that does not depend on the size of the region: for the few long ones.
+  /// \returns false where the search knows no positions, or where so many samples are as
+  /// far from a corner as x that it is better to go through all
+  bool certify_corners() {
+    update();
+    seen_.resize(samples_.size(), -1);
+    for (const Halfspace& known : halfspaces_) {
+      seen_[known.sample] = x_;
+    }
+    certified_.clear();
+    corner_count_ = kCornerCount;
+    do {
+      update();
+      for (std::size_t c = 0; c < corners_.size(); ++c) {
+        const Index* facet = hull_->facets().data() + c * dim();
+        if (is_certified(facet)) {
+          continue;
+        }
+        if (!std::isfinite(corners_[c].length) || !cut_corner(corners_[c])) {
+          return false;
+        }
+        if (fresh_ == 0) {
+          certified_.insert(certified_.end(), facet, facet + dim());
+        }
+      }
+    } while (fresh_ > 0);
+    return true;
+  }
+
+  /// Whether this facet's corner was found to be nearer to no sample before.
+  bool is_certified(const Index* facet) const {
+    for (std::size_t i = 0; i < certified_.size(); i += dim()) {
+      if (std::is_permutation(facet, facet + dim(), certified_.begin() +
+                                                        static_cast<Offset>(i))) {
         return true;
       }
-      update();
     }
     return false;
   }
 
   /// Adds samples nearer to the corner than x until one is new or none is left.
-  bool cut_corner(const Vector& corner) {
+  bool cut_corner(const Corner& corner) {
     execution_.poll();
     const int ambient_dim = samples_.ambient_dim();
+    if (!samples_.has_points()) {
+      return false;
+    }
     using Frame = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     const Eigen::Map<const Frame> frame(
         tangents_.bases.data() + static_cast<std::size_t>(x_) * dim() * ambient_dim,
         dim(), ambient_dim);
     position_ = Eigen::Map<const Eigen::VectorXd>(samples_.point(x_), ambient_dim) +
-                frame.transpose() * corner;
-    const double squared_radius = (1 + detail::kSecuritySlack) * corner.squaredNorm();
+                frame.transpose() * corner.position;
+    const double squared_radius =
+        (1 + 4 * corner.error) * corner.length * corner.length + largest_weight_;
     const int fresh_before = fresh_;
-    for (Offset count = kCornerCount;; count *= 2) {
-      count = std::min<Offset>(count, samples_.size());
+    for (; corner_count_ <= max_corner_count_; corner_count_ *= 2) {
+      const Offset count = std::min<Offset>(corner_count_, samples_.size());
       if (!nearest_to_position(static_cast<Index>(count), squared_radius)) {
         return false;
       }
       neighbors_used_ += static_cast<Offset>(grown_.size());
       for (const Neighbor& neighbor : grown_) {
-        if (neighbor.index != x_ && !is_known(neighbor.index)) {
+        if (neighbor.index != x_ && seen_[neighbor.index] != x_) {
+          seen_[neighbor.index] = x_;
           Vector normal(dim());
           const double squared_distance = measure(neighbor.index, normal);
           add_halfspace(neighbor.index, squared_distance, normal);
         }
       }
-      if (fresh_ > fresh_before || static_cast<Offset>(grown_.size()) < count ||
-          count == samples_.size()) {
+      if (static_cast<Offset>(grown_.size()) < count || count == samples_.size()) {
+        return true;
+      }
+      if (fresh_ > fresh_before) {
+        corner_count_ *= 2;  // where many are as far as x, a few at a time lead nowhere
         return true;
       }
     }
+    return false;
   }
 
   void nearest(Index count) {
@@ -415,11 +483,6 @@ class RegionKernel {
   bool nearest_to_position(Index count, double squared_radius) {
     const detail::Timed timed(coordinate_seconds_);
     return query_->nearest_to(position_.data(), count, squared_radius, grown_);
-  }
-
-  bool is_known(Index q) const {
-    return std::any_of(halfspaces_.begin(), halfspaces_.end(),
-                       [&](const Halfspace& known) { return known.sample == q; });
   }
 
   void scan_all() {
@@ -467,13 +530,18 @@ class RegionKernel {
   Eigen::Matrix<double, K, Eigen::Dynamic> ahead_coordinates_;
   std::vector<double> ahead_distances_;
   std::vector<Neighbor> grown_;
+  std::vector<Index> seen_;       // by certify_corners: the last x each sample was added to
+  std::vector<Index> certified_;  // facets, K ids each
+  Offset corner_count_ = 0;       // samples asked for around a corner
+  Offset max_corner_count_;
+  double largest_weight_;
   Eigen::VectorXd difference_;
   Eigen::VectorXd position_;
 
+  mutable std::vector<bool> joined_;  // scratch of shortest_tree
   std::vector<Halfspace> halfspaces_;
   std::vector<Corner> corners_;
   std::vector<Offset> star_facets_;  // facets that are dual to a corner, in the hull's list
-  double end_ = 0;                   // where regions without end are cut off
   double squared_radius_ = kInfinity;
   double limit_ = kInfinity;  // squared distance beyond which no sample cuts
   int fresh_ = 0;             // halfspaces inserted since the last update

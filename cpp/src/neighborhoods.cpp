@@ -304,8 +304,11 @@ Neighborhoods find_neighborhoods(const Samples& samples, const NeighborSearch& s
           local.query->nearest(static_cast<Index>(i), result.count,
                                std::numeric_limits<double>::infinity(), local.list);
           if (static_cast<Index>(local.list.size()) < result.count) {
-            throw std::runtime_error(
-                "the approximate search found too few neighbors; raise its checks");
+            throw std::runtime_error("the search found " +
+                                     std::to_string(local.list.size()) +
+                                     " neighbors instead of " +
+                                     std::to_string(result.count) +
+                                     "; raise checks or search exactly");
           }
           std::transform(local.list.begin(), local.list.end(),
                          result.indices.begin() + i * result.count,

@@ -55,14 +55,6 @@ double power_of_two_above(double extent) {
   return std::ldexp(1.0, std::clamp(exponent, -1021, 1022));
 }
 
-double quantize(double v) {
-  if (std::abs(v) >= 0x1p-48) {
-    return v;
-  }
-  constexpr double shift = 1.5 * 0x1p52 * detail::kCoordinateQuantum;
-  return (v + shift) - shift;
-}
-
 /// Interleaves the low 21 bits of x with two zero bits each.
 std::uint64_t spread_by_three(std::uint64_t x) {
   x &= 0x1fffff;
@@ -81,7 +73,7 @@ Samples Samples::from_points(MatrixView points, const Execution& execution) {
   if (points.cols < 1) {
     throw std::invalid_argument("points has no coordinates: its second axis is empty");
   }
-  detail::begin_step(execution, Step::kPrepare, points.rows);
+  detail::begin_step(execution, Step::kPrepare, 3 * points.rows);
   check_finite(points, "points", execution);
 
   const Offset n = points.rows;
@@ -133,14 +125,32 @@ Samples Samples::from_points(MatrixView points, const Execution& execution) {
         const double position =
             largest == 0 ? 0.0
                          : (points.row(i)[axes[a]] / 2 - low[axes[a]] / 2) / largest;
-        const auto cell = static_cast<std::uint64_t>(position * 0x1fffff);
+        // Symmetric data have their middle at one half; keep it off the edge of a cell.
+        const auto cell = static_cast<std::uint64_t>(position * 0x1ffffe + 0.382);
         code |= spread_by_three(std::min<std::uint64_t>(cell, 0x1fffff)) << a;
       }
       keys[i] = {code, static_cast<Index>(i)};
     }
   });
+  // An axis on which all agree adds nothing, and may be too large to be scaled.
   const auto scaled = [&](Index i, Offset j) {
-    return quantize(points.row(i)[j] * samples.inverse_scale_);
+    return low[j] == high[j] ? 0.0 : points.row(i)[j] * samples.inverse_scale_;
+  };
+  double largest_scaled = 0;
+  for (Offset j = 0; j < dim; ++j) {
+    if (low[j] != high[j]) {
+      largest_scaled = std::max({largest_scaled, std::abs(low[j] * samples.inverse_scale_),
+                                 std::abs(high[j] * samples.inverse_scale_)});
+    }
+  }
+  const double tolerance = detail::kCoincidence * largest_scaled;
+  const auto coincide = [&](Index a, Index b) {
+    for (Offset j = 0; j < dim; ++j) {
+      if (!(std::abs(scaled(a, j) - scaled(b, j)) <= tolerance)) {
+        return false;
+      }
+    }
+    return true;
   };
   const auto compare_coordinates = [&](Index a, Index b) {
     for (Offset j = 0; j < dim; ++j) {
@@ -162,16 +172,30 @@ Samples Samples::from_points(MatrixView points, const Execution& execution) {
   });
   execution.poll();
 
-  samples.representatives_.resize(n);
+  // Samples that coincide share a cell of the curve, where they are sorted by their first
+  // coordinate.
+  std::vector<Index>& representatives = samples.representatives_;
+  representatives.assign(n, -1);
   samples.input_index_.reserve(n);
+  std::vector<Index> members;
   for (Offset i = 0; i < n; ++i) {
-    const Index index = keys[i].index;
-    const bool repeats = i > 0 && keys[i].code == keys[i - 1].code &&
-                         compare_coordinates(index, keys[i - 1].index) == 0;
-    if (!repeats) {
-      samples.input_index_.push_back(index);
+    if (representatives[keys[i].index] >= 0) {
+      continue;
     }
-    samples.representatives_[index] = samples.input_index_.back();
+    members.assign(1, keys[i].index);
+    for (Offset j = i + 1; j < n && keys[j].code == keys[i].code &&
+                           scaled(keys[j].index, 0) - scaled(keys[i].index, 0) <= tolerance;
+         ++j) {
+      if (representatives[keys[j].index] < 0 && coincide(keys[i].index, keys[j].index)) {
+        members.push_back(keys[j].index);
+        representatives[keys[j].index] = 0;
+      }
+    }
+    const Index first = *std::min_element(members.begin(), members.end());
+    for (const Index member : members) {
+      representatives[member] = first;
+    }
+    samples.input_index_.push_back(first);
   }
   samples.input_index_.shrink_to_fit();
   keys = {};
@@ -242,6 +266,7 @@ Samples Samples::from_matrix(MatrixView matrix, Kind kind, const Execution& exec
   Samples samples;
   samples.kind_ = kind;
   samples.matrix_ = matrix;
+  // Like the extent of points, up to a factor.
   samples.scale_ = power_of_two_above(is_gram ? std::sqrt(largest) : largest / 2);
   samples.inverse_scale_ = 1.0 / samples.scale_;
 
@@ -286,11 +311,12 @@ double Samples::squared_distance(Index a, Index b) const {
   if (kind_ == Kind::kPoints) {
     return detail::squared_distance(point(a), point(b), ambient_dim_);
   }
-  const Offset i = input_index_[a];
-  const Offset j = input_index_[b];
+  // One triangle only: the other may differ by rounding.
+  const Offset i = std::min(input_index_[a], input_index_[b]);
+  const Offset j = std::max(input_index_[a], input_index_[b]);
   if (kind_ == Kind::kDistances) {
-    const double distance = quantize(matrix_.row(i)[j] * inverse_scale_);
-    return distance * distance;
+    const double distance = matrix_.row(i)[j] * inverse_scale_;
+    return distance <= detail::kCoincidence ? 0.0 : distance * distance;
   }
   const double norms = (matrix_.row(i)[i] * inverse_scale_) * inverse_scale_ +
                        (matrix_.row(j)[j] * inverse_scale_) * inverse_scale_;
@@ -313,11 +339,11 @@ double Samples::inner_product(Index x, Index a, Index b) const {
   if (kind_ == Kind::kDistances) {
     return (squared_distance(x, a) + squared_distance(x, b) - squared_distance(a, b)) / 2;
   }
-  const Offset ix = input_index_[x];
-  const Offset ia = input_index_[a];
-  const Offset ib = input_index_[b];
-  const double product =
-      (matrix_.row(ia)[ib] - matrix_.row(ix)[ib]) + (matrix_.row(ix)[ix] - matrix_.row(ix)[ia]);
+  const auto entry = [&](Index p, Index q) {
+    return matrix_.row(std::min(input_index_[p], input_index_[q]))[std::max(
+        input_index_[p], input_index_[q])];
+  };
+  const double product = (entry(a, b) - entry(x, b)) + (entry(x, x) - entry(x, a));
   return (product * inverse_scale_) * inverse_scale_;
 }
 

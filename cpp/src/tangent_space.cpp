@@ -21,7 +21,8 @@ namespace {
 using detail::LocalCoordinates;
 using detail::RowMatrix;
 
-constexpr Offset kGroup = 32;
+/// Samples whose coordinates are read together; fewer where each may take seconds.
+constexpr Offset group_size(int dim) { return dim < 4 ? 32 : dim == 4 ? 8 : 1; }
 
 /// The K leading principal directions of the neighborhood with x, as rows.
 class PrincipalDirections {
@@ -287,7 +288,7 @@ TangentSpaces compute_tangent_spaces(const Samples& samples,
       return Kernel(samples, neighborhoods, count, options, execution);
     });
     detail::for_each_block(
-        samples.size(), kGroup, execution, [&](Offset begin, Offset end) {
+        samples.size(), group_size(options.dim), execution, [&](Offset begin, Offset end) {
           kernels.local().compute(static_cast<Index>(begin), static_cast<Index>(end),
                                   result);
         });

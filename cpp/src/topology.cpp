@@ -257,6 +257,13 @@ bool is_sphere_or_ball(const SimplexArray& link) {
 }
 
 void validate(const SimplexArray& simplices, Index num_vertices) {
+  if (simplices.arity < 2) {
+    throw std::invalid_argument("simplices have " + std::to_string(simplices.arity) +
+                                " vertices each, expected at least 2");
+  }
+  if (num_vertices < 0) {
+    throw std::invalid_argument("num_vertices is negative");
+  }
   for (Offset s = 0; s < simplices.size(); ++s) {
     const Index* simplex = simplices[s];
     for (int i = 0; i < simplices.arity; ++i) {
@@ -380,7 +387,7 @@ Topology compute_topology(const SimplexArray& simplices, Index num_vertices,
                           const Execution& execution) {
   validate(simplices, num_vertices);
   const int dim = simplices.arity - 1;
-  detail::begin_step(execution, Step::kTopology, dim + 1);
+  detail::begin_step(execution, Step::kTopology, 0);
   Topology result;
   FaceTable facets;
   for (int d = 0; d < dim; ++d) {
@@ -416,6 +423,7 @@ Topology compute_topology(const SimplexArray& simplices, Index num_vertices,
   execution.poll();
   const FaceTable vertices = make_face_table(simplices, 0);
   std::vector<std::uint8_t> singular(vertices.size(), 0);
+  detail::begin_step(execution, Step::kTopology, vertices.size());
   detail::for_each_block(vertices.size(), 256, execution, [&](Offset begin, Offset end) {
     for (Offset v = begin; v < end; ++v) {
       singular[v] = is_sphere_or_ball(link_of(simplices, vertices, v)) ? 0 : 1;

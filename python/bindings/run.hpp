@@ -3,7 +3,9 @@
 // progress and listens for Ctrl-C.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <future>
 #include <string>
 #include <utility>
@@ -56,8 +58,9 @@ auto run(int num_threads, const py::object& on_progress, Work&& work) {
         throw py::error_already_set();
       }
       if (!on_progress.is_none()) {
-        on_progress(step_name(progress.step), progress.done.load(),
-                    progress.total.load());
+        const std::int64_t total = progress.total;
+        on_progress(step_name(progress.step), std::min(progress.done.load(), total),
+                    total);
       }
     }
   } catch (...) {

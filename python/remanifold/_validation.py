@@ -164,6 +164,34 @@ def check_index_array(
     return np.ascontiguousarray(array, dtype=dtype)
 
 
+def check_simplices(simplices: ArrayLike) -> NDArray[np.int32]:
+    """(M, K+1) with K >= 1, no row twice; the core checks the vertices."""
+    array = _as_array(simplices, "simplices")
+    if (
+        array.ndim != 2
+        or array.shape[1] < 2
+        or not np.issubdtype(array.dtype, np.integer)
+    ):
+        msg = (
+            "simplices must be an integer array of shape (M, K + 1) with K >= 1, got "
+            f"shape {array.shape} and dtype {array.dtype}"
+        )
+        raise ValueError(msg)
+    if array.size and not -1 <= array.min() <= array.max() <= np.iinfo(np.int32).max:
+        msg = "simplices has values that are no vertices"
+        raise ValueError(msg)
+    result = np.ascontiguousarray(array, dtype=np.int32)
+    order = np.lexsort(result.T)
+    same = (result[order[1:]] == result[order[:-1]]).all(axis=1)
+    if same.any():
+        first, second = sorted(
+            int(i) for i in order[[same.argmax(), same.argmax() + 1]]
+        )
+        msg = f"simplices[{second}] repeats simplices[{first}]"
+        raise ValueError(msg)
+    return result
+
+
 def check_bases(
     bases: ArrayLike, boundary: ArrayLike | None, points: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
@@ -192,12 +220,17 @@ def check_bases(
             raise ValueError(msg)
         missing = missing | marked
     kept = array[~missing]
-    defect = np.abs(kept @ kept.transpose(0, 2, 1) - np.eye(array.shape[1]))
-    bad = ~(defect.max(axis=(1, 2), initial=0.0) < 1e-6)
+    defect = kept @ kept.transpose(0, 2, 1) - np.eye(array.shape[1])
+    size = np.abs(defect).max(axis=(1, 2), initial=0.0)
+    bad = ~(size < 1e-6)
     if bad.any():
         index = int(np.flatnonzero(~missing)[np.argmax(bad)])
         msg = f"bases[{index}] does not have orthonormal rows"
         raise ValueError(msg)
+    if (size > 1e-14).any():
+        # Single precision passes; one step towards the nearest orthonormal rows.
+        array = array.copy()
+        array[~missing] = kept - defect @ kept / 2
     return array, np.ascontiguousarray(missing)
 
 
@@ -232,8 +265,11 @@ def _real_matrix(
     if raw.ndim == 2 and raw.dtype.kind == "c":
         # The real part of the Hermitian product is the product of R^(2 D).
         raw = np.ascontiguousarray(raw)
+        if square and name == "distances":
+            msg = "distances must be real"
+            raise TypeError(msg)
         if square:
-            return np.ascontiguousarray(raw.real, dtype=np.float64)
+            raw = raw.real
     array = _as_float(raw, name)
     if array.ndim != 2:
         msg = (

@@ -204,7 +204,7 @@ def _report(rec: rm.Reconstruction) -> dict[str, Any]:
     return {
         "method": rec.method,
         "estimator": rec.estimator,
-        "edges": rec.rule,
+        "edges": rec.edge_rule,
         "search": rec.search,
         "num_neighbors": rec.num_neighbors,
         "num_samples": rec.num_samples,

@@ -28,9 +28,11 @@ from remanifold.steps import (
     Stars,
     warn_of_recall,
 )
-from remanifold.topology import Topology, compute_topology
+from remanifold.topology import Topology, topology_of
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from numpy.typing import ArrayLike, NDArray
 
     from remanifold._progress import Callback
@@ -38,7 +40,14 @@ if TYPE_CHECKING:
 METHODS = ("paper",)
 
 
-@dataclass(frozen=True)
+def freeze(values: Iterable[Any]) -> None:
+    """Make the arrays among the values read-only."""
+    for value in values:
+        if isinstance(value, np.ndarray):
+            value.flags.writeable = False
+
+
+@dataclass(frozen=True, eq=False)
 class Repair:
     """What the result lacks or has too much of.
 
@@ -75,6 +84,9 @@ class Repair:
     unused_vertices: NDArray[np.int32]
     merged_samples: int
 
+    def __post_init__(self) -> None:
+        freeze(vars(self).values())
+
     @property
     def num_callouses(self) -> int:
         """Faces in more than two simplices, and cliques in no star."""
@@ -88,7 +100,8 @@ class Reconstruction:
     Attributes
     ----------
     vertices : ndarray, shape (N, D), float64, or None
-        The samples; None where only `gram` or `distances` were given.
+        The samples, a view of the given array where that was C-contiguous float64; None
+        where only `gram` or `distances` were given.
     simplices : ndarray, shape (M, K+1), int32
         K-simplices, columns ascending, rows sorted.
     edges : ndarray, shape (E, 2), int32
@@ -109,8 +122,8 @@ class Reconstruction:
         Lowest index of the samples that coincide with each sample.
     dim, ambient_dim : int
         K and D (None where only products are known).
-    method, estimator, rule, search : str
-        How the result was made; `rule` is the edge rule, `search` the neighbor search.
+    method, estimator, edge_rule, search : str
+        How the result was made.
     num_neighbors : int
         Neighbors per sample for the tangent spaces.
     recall : float
@@ -133,27 +146,18 @@ class Reconstruction:
     ambient_dim: int | None
     method: str
     estimator: str
-    rule: str
+    edge_rule: str
     search: str
     num_neighbors: int
     recall: float
     timings: dict[str, float]
 
     def __post_init__(self) -> None:
-        for array in (
-            self.vertices,
-            self.simplices,
-            self.edges,
-            self.boundary,
-            self.tangents,
-            self.tangent_simplices,
-            *self.edge_sets,
-            *self.stars,
-            self.unbounded,
-            self.representatives,
-        ):
-            if array is not None:
-                array.flags.writeable = False
+        freeze((*vars(self).values(), *self.edge_sets, *self.stars))
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        self.__post_init__()
 
     def __repr__(self) -> str:
         ambient = (
@@ -175,7 +179,7 @@ class Reconstruction:
 
     @functools.cached_property
     def _topology(self) -> Topology:
-        return compute_topology(self.simplices, self.num_samples)
+        return topology_of(self.simplices, self.num_samples)
 
     @functools.cached_property
     def repair(self) -> Repair:
@@ -305,7 +309,7 @@ def reconstruct(
         ambient_dim=None if vertices is None else vertices.shape[1],
         method=method,
         estimator=estimator,
-        rule=edges,
+        edge_rule=edges,
         search=result["search"],
         num_neighbors=neighbors,
         recall=result["recall"],

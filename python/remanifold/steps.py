@@ -28,7 +28,8 @@ if TYPE_CHECKING:
 
     from remanifold._progress import Callback
 
-SEARCHES = ("auto", "kdtree", "brute_force", "approximate")
+EXACT_SEARCHES = ("auto", "kdtree", "brute_force")
+SEARCHES = (*EXACT_SEARCHES, "approximate")
 ESTIMATORS = ("enclosure", "pca", "jet")
 EDGE_RULES = ("mutual", "either")
 CHECKS = 256
@@ -76,8 +77,8 @@ def warn_of_recall(search: str, recall: float) -> None:
     """Say how much an approximate search missed."""
     if search == "approximate" and recall < 1:
         warnings.warn(
-            f"the approximate search found {recall:.2%} of the neighbors of 200 "
-            "samples: some regions are too large; raise checks, or search exactly",
+            f"the approximate search found {recall:.2%} of the neighbors of a "
+            "few samples: some regions are too large; raise checks, or search exactly",
             RecallWarning,
             stacklevel=3,
         )
@@ -174,7 +175,9 @@ def tangent_spaces(
         tilted by two rounds of quadratic fits (error of second order in the spacing).
     gram, distances : array_like, shape (N, N), optional
         Inner products or distances of the samples, instead of `points`.
-    search, num_threads, progress
+    search : {"auto", "kdtree", "brute_force"}
+        An exact search, see `neighborhoods`.
+    num_threads, progress
         As in `neighborhoods`.
 
     Returns
@@ -194,7 +197,7 @@ def tangent_spaces(
     samples = check_samples(points, gram, distances)
     k = check_dim(dim, samples)
     check_choice(estimator, "estimator", ESTIMATORS)
-    check_choice(search, "search", SEARCHES)
+    check_choice(search, "search", EXACT_SEARCHES)
     with progress_callback(progress) as callback:
         bases, simplices, boundary = _core.tangent_spaces(
             samples.kind,
@@ -234,7 +237,9 @@ def local_regions(
         Orthonormal basis of each tangent space; NaN where there is none.
     boundary : array_like of bool, shape (N,), optional
         Samples that have no region, besides those without a basis.
-    search, num_threads, progress
+    search : {"auto", "kdtree", "brute_force"}
+        An exact search, see `neighborhoods`.
+    num_threads, progress
         As in `neighborhoods`.
 
     Returns
@@ -246,7 +251,7 @@ def local_regions(
     """
     array = check_points(points)
     frames, missing = check_bases(bases, boundary, array)
-    check_choice(search, "search", SEARCHES)
+    check_choice(search, "search", EXACT_SEARCHES)
     with progress_callback(progress) as callback:
         offsets, indices, star_offsets, stars, radii = _core.local_regions(
             array,

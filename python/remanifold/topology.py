@@ -11,10 +11,10 @@ import numpy as np
 
 from remanifold import _core
 from remanifold._progress import progress_callback
-from remanifold._validation import check_num_threads
+from remanifold._validation import check_int, check_num_threads, check_simplices
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
     from remanifold._progress import Callback
 
@@ -103,7 +103,7 @@ class Topology:
 
 
 def compute_topology(
-    simplices: NDArray[np.int32],
+    simplices: ArrayLike,
     num_vertices: int,
     *,
     num_threads: int | None = None,
@@ -113,8 +113,8 @@ def compute_topology(
 
     Parameters
     ----------
-    simplices : ndarray, shape (M, K+1), int32
-        Simplices, columns ascending.
+    simplices : array_like of int, shape (M, K+1)
+        Simplices, columns ascending, each once.
     num_vertices : int
         N, more than any vertex.
     num_threads, progress
@@ -124,9 +124,24 @@ def compute_topology(
     -------
     Topology
     """
+    return topology_of(
+        check_simplices(simplices),
+        check_int(num_vertices, "num_vertices", minimum=0),
+        num_threads,
+        progress,
+    )
+
+
+def topology_of(
+    simplices: NDArray[np.int32],
+    count: int,
+    num_threads: int | None = None,
+    progress: bool | Callback | None = None,
+) -> Topology:
+    """`compute_topology` of simplices that are known to be in order."""
     with progress_callback(progress) as callback:
         counts = _core.topology(
-            simplices, num_vertices, check_num_threads(num_threads), callback
+            simplices, count, check_num_threads(num_threads), callback
         )
     dim = simplices.shape[1] - 1
     singular = counts["singular_vertices"]

@@ -73,6 +73,25 @@ void expect_empty_balls(const Computed& c) {
   }
 }
 
+/// Every star simplex is in the stars of all its vertices.
+void expect_agreement(const Computed& c) {
+  const int dim = c.regions.dim;
+  std::map<std::vector<Index>, int> votes;
+  for (Index x = 0; x < c.samples.size(); ++x) {
+    for (Offset s = c.regions.star_offsets[x]; s < c.regions.star_offsets[x + 1]; ++s) {
+      std::vector<Index> simplex(c.regions.stars.begin() + s * dim,
+                                 c.regions.stars.begin() + (s + 1) * dim);
+      simplex.push_back(x);
+      std::sort(simplex.begin(), simplex.end());
+      ++votes[simplex];
+    }
+  }
+  ASSERT_FALSE(votes.empty());
+  for (const auto& [simplex, count] : votes) {
+    EXPECT_EQ(count, dim + 1);
+  }
+}
+
 TEST(LocalRegions, CornersAreEmptyBalls) {
   for (int dim = 1; dim <= 4; ++dim) {
     expect_empty_balls(regions_of(testing::sphere(dim < 4 ? 250 : 120, dim, dim), dim));
@@ -106,13 +125,13 @@ TEST(LocalRegions, DoNotDependOnTheSearchNorOnHowManyNeighborsAreKnown) {
 }
 
 TEST(LocalRegions, TiltedTangentSpacesReachAcross) {
-  // A circle of many samples whose tangents are replaced by its normals: every region is
-  // a diameter long, and only samples on the far side bound it.
+  // An ellipse of many samples whose tangents are replaced by its normals: every
+  // region reaches across, and only samples on the far side bound it.
   const int n = 2000;
   Cloud cloud{{}, 2};
   for (int i = 0; i < n; ++i) {
     const double angle = 6.283185307179586 * (i + 0.3 * std::sin(17.0 * i)) / n;
-    cloud.points.push_back(std::cos(angle));
+    cloud.points.push_back(2 * std::cos(angle));
     cloud.points.push_back(std::sin(angle));
   }
   const Samples samples = Samples::from_points(cloud.view());
@@ -120,8 +139,10 @@ TEST(LocalRegions, TiltedTangentSpacesReachAcross) {
   tangents.dim = 1;
   tangents.boundary.assign(n, 0);
   for (Index i = 0; i < n; ++i) {
-    tangents.bases.push_back(samples.point(i)[0] * samples.scale());
-    tangents.bases.push_back(samples.point(i)[1] * samples.scale());
+    const double* p = samples.point(i);
+    const double length = std::hypot(p[0] / 4, p[1]);
+    tangents.bases.push_back(p[0] / 4 / length);
+    tangents.bases.push_back(p[1] / length);
   }
   std::vector<Csr> edge_sets;
   for (const SearchMethod method : {SearchMethod::kKdTree, SearchMethod::kBruteForce}) {
@@ -138,6 +159,33 @@ TEST(LocalRegions, TiltedTangentSpacesReachAcross) {
   EXPECT_EQ(edge_sets[0].indices, edge_sets[1].indices);
 }
 
+TEST(LocalRegions, NothingIsLeftOfTheSampleBefore) {
+  // The middle sample sees both others straight above: no halfspace at all.
+  const Cloud cloud{{0, 0, 1, 0, 2, 0}, 2};
+  const Samples samples = Samples::from_points(cloud.view());
+  const NeighborSearch search(samples);
+  const Neighborhoods neighborhoods = find_neighborhoods(samples, search, 2);
+  TangentSpaces tangents;
+  tangents.dim = 1;
+  tangents.boundary.assign(3, 0);
+  tangents.bases = {1, 0, 0, 1, 0, 1};
+  const LocalRegions regions =
+      compute_local_regions(samples, search, neighborhoods, tangents, {1, nullptr});
+  EXPECT_EQ(regions.edge_sets.offsets, (std::vector<Offset>{0, 1, 1, 1}));
+}
+
+TEST(LocalRegions, ClustersFarApartKeepTheirSimplices) {
+  // Two needles: K = D = 4, all simplices at once tiny and long, none of them flat.
+  Cloud cloud = testing::gaussian(24, 4, 3);
+  for (Offset i = 0; i < cloud.size(); ++i) {
+    for (int j = 0; j < 4; ++j) {
+      cloud.points[i * 4 + j] = 1e-5 * cloud.points[i * 4 + j] + (j == 0 && i % 2 == 1 ? 1.0 : 0.0);
+    }
+  }
+  expect_empty_balls(regions_of(cloud, 4));
+  expect_agreement(regions_of(cloud, 4));
+}
+
 TEST(LocalRegions, EndsOfALineAreUnbounded) {
   const Cloud cloud{{0, 1, 3, 6}, 1};
   const Computed c = regions_of(cloud, 1);
@@ -149,25 +197,6 @@ TEST(LocalRegions, EndsOfALineAreUnbounded) {
               1e-8);
   EXPECT_EQ(c.regions.edge_sets.size(canonical[0]), 1);
   EXPECT_EQ(c.regions.edge_sets.size(canonical[1]), 2);
-}
-
-/// Every star simplex is in the stars of all its vertices.
-void expect_agreement(const Computed& c) {
-  const int dim = c.regions.dim;
-  std::map<std::vector<Index>, int> votes;
-  for (Index x = 0; x < c.samples.size(); ++x) {
-    for (Offset s = c.regions.star_offsets[x]; s < c.regions.star_offsets[x + 1]; ++s) {
-      std::vector<Index> simplex(c.regions.stars.begin() + s * dim,
-                                 c.regions.stars.begin() + (s + 1) * dim);
-      simplex.push_back(x);
-      std::sort(simplex.begin(), simplex.end());
-      ++votes[simplex];
-    }
-  }
-  ASSERT_FALSE(votes.empty());
-  for (const auto& [simplex, count] : votes) {
-    EXPECT_EQ(count, dim + 1);
-  }
 }
 
 TEST(LocalRegions, TiesOfGridsAreBrokenAlike) {

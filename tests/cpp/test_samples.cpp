@@ -25,6 +25,21 @@ TEST(Samples, MergesCoincidingPointsIntoTheFirst) {
   }
 }
 
+TEST(Samples, MergesTheEndsOfAClosedCurve) {
+  Cloud cloud{{}, 2};
+  for (int i = 0; i <= 100; ++i) {
+    const double angle = 2 * 3.141592653589793 * i / 100;
+    cloud.points.push_back(std::cos(angle));
+    cloud.points.push_back(std::sin(angle));
+  }
+  const Samples samples = Samples::from_points(cloud.view());
+  EXPECT_EQ(samples.size(), 100);
+  EXPECT_EQ(samples.representatives()[100], 0);
+  // What differs by more than rounding stays.
+  cloud.points[201] += 1e-13;
+  EXPECT_EQ(Samples::from_points(cloud.view()).size(), 101);
+}
+
 TEST(Samples, NumbersEveryDistinctPointOnce) {
   const Cloud cloud = testing::gaussian(500, 4, 1);
   const Samples samples = Samples::from_points(cloud.view());
@@ -55,6 +70,8 @@ TEST(Samples, ScalesExactly) {
 }
 
 TEST(Samples, SurvivesTheWholeRangeOfDoubles) {
+  const Cloud offset{{1e308, 0, 1e308, 1e-10, 1e308, 2e-10}, 2};
+  EXPECT_EQ(Samples::from_points(offset.view()).size(), 3);
   const double huge = std::numeric_limits<double>::max();
   const Cloud wide{{-huge, huge, 0.0, 1e-300}, 1};
   const Samples samples = Samples::from_points(wide.view());

@@ -100,6 +100,8 @@ TEST(Topology, RefusesBrokenSimplices) {
   EXPECT_THROW(compute_topology({3, {0, 1, 5}}, 5), std::invalid_argument);
   EXPECT_THROW(compute_topology({3, {0, 2, 1}}, 5), std::invalid_argument);
   EXPECT_THROW(compute_topology({3, {0, 1, 1}}, 5), std::invalid_argument);
+  EXPECT_THROW(compute_topology({0, {}}, 5), std::invalid_argument);
+  EXPECT_THROW(compute_topology({3, {}}, -5), std::invalid_argument);
 }
 
 TEST(Faces, ManyVertices) {

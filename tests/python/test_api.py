@@ -151,7 +151,7 @@ def test_arrays_mean_what_they_say(dim, estimator):
 def test_scalars_say_how():
     rec = rm.reconstruct(sample(2), 2)
     assert (rec.dim, rec.ambient_dim, rec.num_samples) == (2, 4, 400)
-    assert (rec.method, rec.estimator, rec.rule) == ("paper", "enclosure", "mutual")
+    assert (rec.method, rec.estimator, rec.edge_rule) == ("paper", "enclosure", "mutual")
     assert (rec.num_neighbors, rec.recall) == (20, 1.0)
     assert rec.search in SEARCHES
     assert tuple(rec.timings) == STEPS
@@ -167,7 +167,7 @@ def test_scalars_say_how():
         search="brute_force",
     )
     assert (rec.dim, rec.ambient_dim, rec.num_samples) == (3, None, 9)
-    assert (rec.method, rec.estimator, rec.rule) == ("paper", "jet", "either")
+    assert (rec.method, rec.estimator, rec.edge_rule) == ("paper", "jet", "either")
     assert (rec.num_neighbors, rec.search) == (7, "brute_force")
 
 

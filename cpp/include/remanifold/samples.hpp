@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The samples in canonical form: coinciding samples merged, scaled by a power of two to
+// The samples in canonical form: coinciding samples merged (those that differ by no more
+// than 2^-48 of the largest coordinate, which is rounding), scaled by a power of two to
 // unit extent (exact, so that neither 1e-150 nor 1e150 under- or overflows), and, for
 // points, sorted along a Morton curve for locality of memory. All steps number samples
 // by their position here; input_index() leads back to the caller's numbers.

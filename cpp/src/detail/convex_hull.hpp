@@ -32,6 +32,8 @@ class ConvexHull {
   /// Back to the simplex at the start, scaled by `size`.
   void restart(int dim, double size) {
     clear();
+    facets_.clear();
+    vertices_.clear();
     std::vector<double>& point = start_point_;
     for (int which = 0; which <= dim; ++which) {
       point.clear();

@@ -40,13 +40,13 @@ void for_each_block(Offset count, Offset block, const Execution& execution,
     }
     return;
   }
+  constexpr int most_threads = 256;
+  const int threads = std::min(execution.num_threads, most_threads);
   std::optional<tbb::global_control> more_than_cores;
-  if (execution.num_threads > tbb::info::default_concurrency()) {
-    more_than_cores.emplace(tbb::global_control::max_allowed_parallelism,
-                            execution.num_threads);
+  if (threads > tbb::info::default_concurrency()) {
+    more_than_cores.emplace(tbb::global_control::max_allowed_parallelism, threads);
   }
-  tbb::task_arena arena(execution.num_threads > 0 ? execution.num_threads
-                                                  : tbb::task_arena::automatic);
+  tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
   arena.execute([&] {
     tbb::parallel_for(
         tbb::blocked_range<Offset>(0, num_blocks, 1),

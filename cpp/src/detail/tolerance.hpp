@@ -21,22 +21,23 @@ constexpr double kTieWeight = 1e-10;
 /// straight above the sample: its halfspace holds the whole tangent space.
 constexpr double kVacuousSquaredSine = 1e-24;
 
-/// A corner is none where the unit normals of its halfspaces span a volume below this: the
-/// simplex is flat in the tangent space, as those on the face of a grid are, and rounding
-/// decides where its bisectors meet.
+/// A corner is none where its simplex is flat: where the volume spanned by the sample and
+/// the K others is below this times the product of the edges of their shortest tree. So
+/// are those on the face of a grid, and rounding decides where their bisectors meet.
 constexpr double kFlatSimplex = 1e-10;
 
 /// Slack of the filter that passes over halfspaces which cannot cut; the exact hull
 /// decides on whatever the filter lets through.
 constexpr double kRedundantSlack = 1e-6;
 
-/// Error of a corner in units of its distance, times the volume of kFlatSimplex.
-constexpr double kCornerError = 1e-13;
+/// Error of a corner in units of its distance, times the volume spanned by the unit
+/// normals that meet in it.
+constexpr double kCornerError = 1e-14;
 
-/// A local region is cut off at this many nearest-neighbor distances; what reaches so far
-/// has no end. Decides ties at infinity, where the bisectors of a straight row of samples
-/// are parallel up to rounding.
-constexpr double kEndOfRegion = 1e9;
+/// A local region is cut off at this distance, in units of the extent of all samples;
+/// what reaches so far has no end. Decides ties at infinity, where the bisectors of a
+/// straight row of samples are parallel up to rounding.
+constexpr double kEndOfRegion = 1e4;
 
 /// Slack of the security radius, for rounding and tie-breaking weights.
 constexpr double kSecuritySlack = 1e-6;
@@ -45,8 +46,9 @@ constexpr double kSecuritySlack = 1e-6;
 /// the sum of their squared norms: it is rounding.
 constexpr double kGramCoincidence = 16 * 2.220446049250313e-16;
 
-/// Coordinates are rounded to multiples of this, so that no squared distance between
-/// distinct samples underflows. Only values below 2^-48 are affected.
-constexpr double kCoordinateQuantum = 0x1p-100;
+/// Samples coincide when no coordinate (or, of a distance matrix, their distance) differs
+/// by more than this times the largest: the end of a closed curve misses its beginning by
+/// as much.
+constexpr double kCoincidence = 0x1p-48;
 
 }  // namespace remanifold::detail

@@ -1,0 +1,350 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Threads, progress and interruption: what a run does besides its result."""
+
+import dataclasses
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+from functools import cache
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.spatial.distance import cdist
+
+import remanifold as rm
+
+BUG = pytest.mark.xfail(reason="to be fixed")
+
+STEPS = ["prepare", "neighborhoods", "tangent_spaces", "local_regions", "complex"]
+PROMPTLY = 5.0  # seconds, though a tenth is usual: the machine may be busy
+
+
+def sphere(num, dim, ambient, seed=0):
+    points = np.random.default_rng(seed).normal(size=(num, dim + 1))
+    points /= np.linalg.norm(points, axis=1, keepdims=True)
+    return np.pad(points, [(0, 0), (0, ambient - dim - 1)])
+
+
+# --- The number of threads ------------------------------------------------------
+
+KINDS = {
+    "curve": (1, sphere(1500, 1, 3)),
+    "surface": (2, sphere(1500, 2, 3)),
+    "solid": (3, np.random.default_rng(0).uniform(size=(700, 3))),
+    "dim4": (4, sphere(300, 4, 5)),
+    "in_R60": (2, sphere(1500, 2, 60)),
+}
+
+
+def steps_of_points(dim, points):
+    rec = rm.reconstruct(points, dim)
+    frames, sets = (points, rec.tangents), rec.edge_sets
+    return {
+        "neighborhoods": lambda **o: rm.neighborhoods(points, 15, **o),
+        "approximate": lambda **o: rm.neighborhoods(
+            points, 5, search="approximate", checks=10**6, **o
+        ),
+        "enclosure": lambda **o: rm.tangent_spaces(points, dim, **o),
+        "pca": lambda **o: rm.tangent_spaces(points, dim, estimator="pca", **o),
+        "jet": lambda **o: rm.tangent_spaces(points, dim, estimator="jet", **o),
+        "regions": lambda **o: rm.local_regions(*frames, rec.boundary, **o),
+        "edge_sets": lambda **o: rm.edge_sets(*frames, **o),
+        "mutual": lambda **o: rm.clique_complex(*sets, dim, **o),
+        "either": lambda **o: rm.clique_complex(*sets, dim, "either", **o),
+        "topology": lambda **o: rm.compute_topology(rec.simplices, len(points), **o),
+        "reconstruct": lambda **o: rm.reconstruct(points, dim, **o),
+    }
+
+
+def steps_of_products(dim, points):
+    points = points[: 600 // dim]
+    gram = {"gram": points @ points.T}
+    distances = {"distances": cdist(points, points)}
+    return {
+        "neighborhoods": lambda **o: rm.neighborhoods(**gram, num_neighbors=9, **o),
+        "enclosure": lambda **o: rm.tangent_spaces(**gram, dim=dim, **o),
+        "gram": lambda **o: rm.reconstruct(**gram, dim=dim, **o),
+        "distances": lambda **o: rm.reconstruct(**distances, dim=dim, **o),
+    }
+
+
+def as_bytes(result):
+    """All that the result holds but the seconds it took."""
+    if isinstance(result, np.ndarray):
+        return f"{result.dtype}{result.shape}".encode() + result.tobytes()
+    if dataclasses.is_dataclass(result):
+        result = [value for name, value in vars(result).items() if name != "timings"]
+    if isinstance(result, list | tuple):
+        return b"".join(map(as_bytes, result))
+    return repr(result).encode()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("steps", [steps_of_points, steps_of_products])
+def test_threads_change_no_byte(kind, steps):
+    for name, step in steps(*KINDS[kind]).items():
+        expected = as_bytes(step(num_threads=1))
+        assert len(expected) > 1000, name
+        for num_threads in (2, 5, None):
+            assert as_bytes(step(num_threads=num_threads)) == expected, name
+
+
+def test_concurrent_calls_do_not_meet():
+    calls = [
+        step
+        for kind in ("surface", "in_R60")
+        for steps in (steps_of_points, steps_of_products)
+        for step in steps(*KINDS[kind]).values()
+    ]
+    options = [{"num_threads": 1 + i % 3} for i in range(len(calls))]
+    expected = [as_bytes(call()) for call in calls]
+    with ThreadPoolExecutor(4) as pool:
+        found = list(pool.map(lambda call, o: as_bytes(call(**o)), calls, options))
+    assert found == expected
+
+
+# --- Progress -------------------------------------------------------------------
+
+
+@cache
+def large():
+    points = rm.datasets.torus(100_000, random_state=0)
+    return points, rm.reconstruct(points, 2)
+
+
+@cache
+def dense_graph():
+    linked = np.triu(np.random.default_rng(0).uniform(size=(2500, 2500)) < 0.1, 1)
+    linked |= linked.T
+    return np.cumsum([0, *linked.sum(axis=1)]), np.nonzero(linked)[1]
+
+
+# Runs of some tenths of a second.
+RUNS = {
+    "neighborhoods": lambda **o: rm.neighborhoods(large()[0], 20, **o),
+    "tangent_spaces": lambda **o: rm.tangent_spaces(large()[0], 2, **o),
+    "local_regions": lambda **o: rm.local_regions(large()[0], large()[1].tangents, **o),
+    "edge_sets": lambda **o: rm.edge_sets(large()[0], large()[1].tangents, **o),
+    "clique_complex": lambda **o: rm.clique_complex(*dense_graph(), 3, **o),
+    "compute_topology": lambda **o: rm.compute_topology(
+        large()[1].simplices, 100_000, **o
+    ),
+    "reconstruct": lambda **o: rm.reconstruct(large()[0], 2, **o),
+}
+ALSO_CALLED = {
+    "edge_sets": "local_regions",
+    "clique_complex": "complex",
+    "compute_topology": "topology",
+    "reconstruct": "local_regions",
+}
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_progress_counts_steps_in_order(name):
+    calls, threads = [], set()
+
+    def progress(*call):
+        calls.append(call)
+        threads.add(threading.get_ident())
+
+    RUNS[name](progress=progress, num_threads=1)
+    assert threads == {threading.get_ident()}
+    assert {tuple(map(type, call)) for call in calls} == {(str, int, int)}
+    for step, done, total in calls:
+        assert 0 <= done <= total, step
+    # No step comes back, though a short one may pass unseen.
+    seen = list(dict.fromkeys(step for step, *_ in calls))
+    assert ALSO_CALLED.get(name, name) in seen
+    assert [step for step in [*STEPS, "topology"] if step in seen] == seen
+    for (step, done, _), (next_step, next_done, _) in pairwise(calls):
+        assert seen.index(step) <= seen.index(next_step)
+        assert next_step != step or next_done >= done, step
+
+
+def test_progress_changes_nothing():
+    found = RUNS["reconstruct"](progress=lambda *_: None)
+    assert as_bytes(found) == as_bytes(large()[1])
+
+
+@pytest.mark.parametrize("progress", [None, False, True])
+def test_a_bar_goes_to_standard_error(progress, capfd):
+    RUNS["neighborhoods"](progress=progress)
+    assert capfd.readouterr().out == ""
+
+
+class Stop(Exception):
+    """Raised by a callback."""
+
+
+@pytest.mark.parametrize("name", RUNS)
+@pytest.mark.parametrize("error", [Stop("enough"), KeyboardInterrupt(), SystemExit(3)])
+def test_errors_of_the_callback_come_out(name, error):
+    def progress(*_):
+        raise error
+
+    with pytest.raises(type(error)) as caught:
+        RUNS[name](progress=progress, num_threads=1)
+    assert caught.value is error
+
+
+# --- Interruption ---------------------------------------------------------------
+
+
+def many_neighbors():
+    points = np.random.default_rng(0).normal(size=(3000, 2))
+    return lambda **o: rm.tangent_spaces(points, 2, 2900, **o)
+
+
+def many_coordinates():
+    points = np.random.default_rng(0).normal(size=(20_000, 1000))
+    return lambda **o: rm.neighborhoods(points, 20, **o)
+
+
+def many_products():
+    points = sphere(600, 5, 6)
+    gram = points @ points.T
+    return lambda **o: rm.reconstruct(gram=gram, dim=5, num_neighbors=300, **o)
+
+
+def dim_6():
+    points = sphere(1000, 6, 7)
+    return lambda **o: rm.reconstruct(points, 6, **o)
+
+
+def regions_of_dim_6():
+    points = sphere(1000, 6, 7)
+    tangents = rm.tangent_spaces(points, 6, estimator="pca")
+    return lambda **o: rm.local_regions(points, tangents.bases, **o)
+
+
+def search_without_cliques():
+    parts, size = 8, 20
+    part = np.arange(parts * size) // size
+    linked = part[:, None] != part
+    offsets = np.cumsum([0, *linked.sum(axis=1)])
+    return lambda **o: rm.clique_complex(offsets, np.nonzero(linked)[1], parts, **o)
+
+
+# Each takes far longer than PROMPTLY on one thread.
+LONG_RUNS = [
+    many_neighbors,
+    many_coordinates,
+    many_products,
+    dim_6,
+    regions_of_dim_6,
+    search_without_cliques,
+]
+
+
+def seconds_of_work(pause):
+    before = time.process_time()
+    time.sleep(pause)
+    return time.process_time() - before
+
+
+@pytest.mark.parametrize("make", LONG_RUNS)
+def test_an_error_of_the_callback_stops_the_run(make):
+    run = make()
+    raised = []
+
+    def progress(*_):
+        if time.perf_counter() - start > 0.3:
+            raised.append(time.perf_counter())
+            raise Stop
+
+    start = time.perf_counter()
+    with pytest.raises(Stop):
+        run(progress=progress, num_threads=1)
+    assert time.perf_counter() - raised[0] < PROMPTLY
+    assert seconds_of_work(0.2) < 0.1  # nothing goes on behind
+
+
+@pytest.mark.parametrize("make", LONG_RUNS)
+@pytest.mark.parametrize("send", [signal.raise_signal, "kill"])
+def test_an_interrupt_stops_the_run(make, send):
+    run = make()
+    sent = []
+
+    def interrupt():
+        sent.append(time.perf_counter())
+        if send == "kill":
+            os.kill(os.getpid(), signal.SIGINT)
+        else:
+            send(signal.SIGINT)
+
+    timer = threading.Timer(0.3, interrupt)
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        run(num_threads=1)
+    assert time.perf_counter() - sent[0] < PROMPTLY
+    assert seconds_of_work(0.2) < 0.1
+
+
+def test_an_interrupt_ends_a_script():
+    script = """
+import numpy as np
+import remanifold as rm
+points = np.random.default_rng(0).normal(size=(3000, 2))
+print("ready", flush=True)
+rm.reconstruct(points, 2, num_neighbors=2900, num_threads=1)
+"""
+    with subprocess.Popen(
+        [sys.executable, "-c", script],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as process:
+        assert process.stdout.readline() == "ready\n"
+        time.sleep(0.3)
+        process.send_signal(signal.SIGINT)
+        start = time.perf_counter()
+        try:
+            _, errors = process.communicate(timeout=60)
+        finally:
+            process.kill()
+    assert time.perf_counter() - start < PROMPTLY
+    assert process.returncode == -signal.SIGINT
+    assert errors.rstrip().endswith("KeyboardInterrupt")
+
+
+# --- Other threads --------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_other_threads_run_meanwhile(name):
+    large()
+    dense_graph()
+    ended = threading.Event()
+    ticks = []
+
+    def tick():
+        while not ended.wait(0.001):
+            ticks.append(time.perf_counter())
+
+    with ThreadPoolExecutor(1) as pool:
+        pool.submit(tick)
+        time.sleep(0.05)
+        start = time.perf_counter()
+        RUNS[name](num_threads=1)
+        end = time.perf_counter()
+        ended.set()
+    within = [t for t in ticks if start < t < end]
+    assert within
+    # Nowhere is there a gap like the run.
+    assert np.diff([start, *within, end]).max() < (end - start) / 2
+
+
+def test_an_interrupt_is_for_the_main_thread():
+    """A run of another thread goes on; the main thread gets the exception."""
+    with ThreadPoolExecutor(1) as pool:
+        running = pool.submit(RUNS["reconstruct"], num_threads=1)
+        with pytest.raises(KeyboardInterrupt):  # noqa: PT012
+            signal.raise_signal(signal.SIGINT)
+            time.sleep(5)
+        found = running.result(timeout=60)
+    assert as_bytes(found) == as_bytes(large()[1])
