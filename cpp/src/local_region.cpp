@@ -78,6 +78,8 @@ class RegionKernel {
         largest_weight_(*std::max_element(weights.begin(), weights.end())),
         max_corner_count_(static_cast<Offset>(
             kMaxCornerShare * std::sqrt(static_cast<double>(samples.size())))),
+        end_(samples.size() > detail::kManySamples ? detail::kEndOfRegionAmongMany
+                                                   : detail::kEndOfRegion),
         joined_(dim_, false) {}
 
   /// Reads the coordinates of the nearest neighbors of a few samples ahead of compute(),
@@ -184,7 +186,7 @@ class RegionKernel {
     tangent_coordinates_.leftCols(ahead_) = ahead_coordinates_.middleCols(first, ahead_);
     std::copy_n(ahead_distances_.data() + first, ahead_, squared_distances_.data());
     measured_ = static_cast<std::size_t>(ahead_);
-    hull_->restart(dim(), 1 / detail::kEndOfRegion);
+    hull_->restart(dim(), 1 / end_);
   }
 
   void make_room() {
@@ -343,7 +345,7 @@ class RegionKernel {
           normals(i, axis) =
               ConvexHull::start_coordinate(dim(), ConvexHull::start_vertex(id), axis);
         }
-        offsets[i] = detail::kEndOfRegion;
+        offsets[i] = end_;
       } else {
         normals.row(i) = halfspaces_[id].normal.transpose();
         offsets[i] = halfspaces_[id].offset;
@@ -395,8 +397,8 @@ class RegionKernel {
   /// Cuts by the samples nearest to each corner until no corner is nearer to a sample than
   /// to x, corners where the region is cut off included. Exact like the security radius,
   /// at a cost that does not depend on the size of the region: for the few long ones.
-  /// \returns false where the search knows no positions, or where so many samples are as
-  /// far from a corner as x that it is better to go through all
+  /// \returns false where it is better to go through all samples: the search knows no
+  /// positions, a corner is too far, or too many samples are as far from it as x
   bool certify_corners() {
     update();
     seen_.resize(samples_.size(), -1);
@@ -405,6 +407,8 @@ class RegionKernel {
     }
     certified_.clear();
     corner_count_ = kCornerCount;
+    // Corners of the simplex at which regions are cut off are a few times as far.
+    const double farthest = 10 * dim() * detail::kEndOfRegionAmongMany;
     do {
       update();
       for (std::size_t c = 0; c < corners_.size(); ++c) {
@@ -412,7 +416,7 @@ class RegionKernel {
         if (is_certified(facet)) {
           continue;
         }
-        if (!std::isfinite(corners_[c].length) || !cut_corner(corners_[c])) {
+        if (!(corners_[c].length < farthest) || !cut_corner(corners_[c])) {
           return false;
         }
         if (fresh_ == 0) {
@@ -533,11 +537,12 @@ class RegionKernel {
   std::vector<Index> seen_;       // by certify_corners: the last x each sample was added to
   std::vector<Index> certified_;  // facets, K ids each
   Offset corner_count_ = 0;       // samples asked for around a corner
-  Offset max_corner_count_;
   double largest_weight_;
+  Offset max_corner_count_;
   Eigen::VectorXd difference_;
   Eigen::VectorXd position_;
 
+  double end_;  // where regions without end are cut off
   mutable std::vector<bool> joined_;  // scratch of shortest_tree
   std::vector<Halfspace> halfspaces_;
   std::vector<Corner> corners_;

@@ -37,7 +37,13 @@ constexpr double kCornerError = 1e-14;
 /// A local region is cut off at this distance, in units of the extent of all samples;
 /// what reaches so far has no end. Decides ties at infinity, where the bisectors of a
 /// straight row of samples are parallel up to rounding.
-constexpr double kEndOfRegion = 1e4;
+constexpr double kEndOfRegion = 1e9;
+
+/// The same among many samples. Corners up to here can be certified by the search tree
+/// (farther away its squared distances lose the samples in rounding); for those beyond,
+/// which only regions without end or next to it have, all samples are gone through.
+constexpr double kEndOfRegionAmongMany = 1e4;
+constexpr int kManySamples = 1 << 15;
 
 /// Slack of the security radius, for rounding and tie-breaking weights.
 constexpr double kSecuritySlack = 1e-6;
