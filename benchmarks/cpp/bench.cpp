@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Times each step of the paper's method on generated or given points, beside FLANN's own
 // search for 20 nearest neighbors on the same points.
+#include "remanifold/remanifold.hpp"
+
+#include <flann/flann.hpp>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -15,10 +19,6 @@
 #include <stdexcept>
 #include <string>
 #include <vector>
-
-#include <flann/flann.hpp>
-
-#include "remanifold/remanifold.hpp"
 
 namespace {
 
@@ -44,9 +44,7 @@ struct Cloud {
   int ambient_dim = 0;
 
   Offset size() const { return static_cast<Offset>(points.size()) / ambient_dim; }
-  remanifold::MatrixView view() const {
-    return {points.data(), size(), ambient_dim};
-  }
+  remanifold::MatrixView view() const { return {points.data(), size(), ambient_dim}; }
 };
 
 using Random = std::mt19937_64;
@@ -130,7 +128,8 @@ Cloud embed(const Cloud& cloud, int ambient_dim, Random& random) {
         dot += axes[i][k] * axes[j][k];
       }
       for (int k = 0; k < ambient_dim; ++k) {
-        axes[i][k] = j < i ? axes[i][k] - dot * axes[j][k] : axes[i][k] / std::sqrt(dot);
+        axes[i][k] =
+            j < i ? axes[i][k] - dot * axes[j][k] : axes[i][k] / std::sqrt(dot);
       }
     }
   }
@@ -178,7 +177,8 @@ Cloud morton_ordered(const Cloud& cloud) {
 }
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
+      .count();
 }
 
 /// FLANN alone: build the exact tree, search 20 neighbors of every point, one thread.
@@ -229,7 +229,8 @@ Run run(const Cloud& cloud, const remanifold::ReconstructOptions& options, int t
   return result;
 }
 
-double median(const std::vector<Run>& runs, const std::function<double(const Run&)>& of) {
+double median(const std::vector<Run>& runs,
+              const std::function<double(const Run&)>& of) {
   std::vector<double> values;
   for (const Run& r : runs) {
     values.push_back(of(r));
@@ -271,9 +272,9 @@ int bench(const std::map<std::string, std::string>& arguments) {
                               : estimator == "pca" ? remanifold::Estimator::kPca
                                                    : remanifold::Estimator::kEnclosure;
 
-  std::printf("%10s %5s %3s | %8s %8s %8s %8s %8s | %8s %8s %6s | %10s %6s\n", "samples",
-              "D", "K", "prepare", "neighb.", "tangent", "regions", "complex", "total",
-              "FLANN 20", "ratio", "simplices", "looked");
+  std::printf("%10s %5s %3s | %8s %8s %8s %8s %8s | %8s %8s %6s | %10s %6s\n",
+              "samples", "D", "K", "prepare", "neighb.", "tangent", "regions",
+              "complex", "total", "FLANN 20", "ratio", "simplices", "looked");
   const std::vector<Offset> sizes =
       file.empty() ? parse_list(get("samples", "100000")) : std::vector<Offset>{0};
   for (const Offset size : sizes) {

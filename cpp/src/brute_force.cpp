@@ -2,14 +2,14 @@
 // Exact nearest neighbors by looking at every sample. Points in blocks: one matrix product
 // gives distances up to a known rounding error, and the exact distance is computed only
 // for samples that this error leaves in doubt.
-#include <algorithm>
-#include <cmath>
-#include <limits>
+#include "detail/distance.hpp"
+#include "detail/neighbor_search.hpp"
 
 #include <Eigen/Core>
 
-#include "detail/distance.hpp"
-#include "detail/neighbor_search.hpp"
+#include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace remanifold::detail {
 namespace {
@@ -30,8 +30,8 @@ class BruteForce final : public NeighborSearch::Implementation {
     center_ = points.colwise().mean();
     squared_norms_ = (points.rowwise() - center_).rowwise().squaredNorm();
     // |fl(x.y) - x.y| <= D eps |x||y|; twice that covers the sums with the norms.
-    error_ = 4.0 * (samples.ambient_dim() + 8) * std::numeric_limits<double>::epsilon() *
-             squared_norms_.maxCoeff();
+    error_ = 4.0 * (samples.ambient_dim() + 8) *
+             std::numeric_limits<double>::epsilon() * squared_norms_.maxCoeff();
   }
 
   std::unique_ptr<NeighborSearch::Query> query(
@@ -43,8 +43,8 @@ class BruteForce final : public NeighborSearch::Implementation {
     if (!samples_.has_points()) {
       return 16;
     }
-    return static_cast<Index>(
-        std::clamp<Offset>(kBlockElements / std::max<Index>(samples_.size(), 1), 4, 256));
+    return static_cast<Index>(std::clamp<Offset>(
+        kBlockElements / std::max<Index>(samples_.size(), 1), 4, 256));
   }
 
  private:
@@ -62,8 +62,8 @@ class BruteForce final : public NeighborSearch::Implementation {
       }
       // Columns in tiles, so that a tile of centered points stays in cache.
       const Index dim = samples.ambient_dim();
-      const Index tile =
-          std::clamp<Index>(static_cast<Index>((1 << 18) / dim), 16, samples.size() + 16);
+      const Index tile = std::clamp<Index>(static_cast<Index>((1 << 18) / dim), 16,
+                                           samples.size() + 16);
       const auto centered = [&](Index first, Index count) {
         return Eigen::Map<const Matrix>(samples.point(first), count, dim).rowwise() -
                search_.center_;
@@ -149,7 +149,8 @@ class BruteForce final : public NeighborSearch::Implementation {
 
 }  // namespace
 
-std::unique_ptr<NeighborSearch::Implementation> make_brute_force(const Samples& samples) {
+std::unique_ptr<NeighborSearch::Implementation> make_brute_force(
+    const Samples& samples) {
   return std::make_unique<BruteForce>(samples);
 }
 

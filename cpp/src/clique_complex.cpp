@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "remanifold/clique_complex.hpp"
 
+#include "detail/parallel.hpp"
+
 #include <algorithm>
 #include <iterator>
 #include <numeric>
 #include <stdexcept>
 #include <string>
-
-#include "detail/parallel.hpp"
 
 namespace remanifold {
 namespace {
@@ -42,7 +42,8 @@ Csr transpose(const Csr& csr) {
   for (const Index j : csr.indices) {
     ++result.offsets[j + 1];
   }
-  std::partial_sum(result.offsets.begin(), result.offsets.end(), result.offsets.begin());
+  std::partial_sum(result.offsets.begin(), result.offsets.end(),
+                   result.offsets.begin());
   result.indices.resize(csr.indices.size());
   std::vector<Offset> next(result.offsets.begin(), result.offsets.end() - 1);
   for (Offset i = 0; i < csr.rows(); ++i) {
@@ -90,7 +91,8 @@ class CliqueExpansion {
   const Csr& graph_;
   int arity_;
   std::vector<Index> clique_;
-  std::vector<std::vector<Index>> candidates_;  // [size - 1]: may follow the first `size`
+  std::vector<std::vector<Index>>
+      candidates_;  // [size - 1]: may follow the first `size`
 };
 
 }  // namespace

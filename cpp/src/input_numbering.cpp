@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "remanifold/input_numbering.hpp"
 
+#include "detail/parallel.hpp"
+
 #include <algorithm>
 #include <numeric>
-
-#include "detail/parallel.hpp"
 
 namespace remanifold {
 namespace {
@@ -54,15 +54,16 @@ Csr edge_sets_to_input(const Samples& samples, const LocalRegions& regions,
   detail::begin_step(execution, Step::kComplex, samples.size());
   result.offsets = row_offsets(samples, csr.offsets);
   result.indices.resize(csr.indices.size());
-  detail::for_each_block(samples.size(), kBlock, execution, [&](Offset begin, Offset end) {
-    for (Offset i = begin; i < end; ++i) {
-      Index* row = result.indices.data() +
-                   result.offsets[samples.input_index(static_cast<Index>(i))];
-      std::transform(csr.begin(i), csr.end(i), row,
-                     [&](Index j) { return samples.input_index(j); });
-      std::sort(row, row + csr.size(i));
-    }
-  });
+  detail::for_each_block(
+      samples.size(), kBlock, execution, [&](Offset begin, Offset end) {
+        for (Offset i = begin; i < end; ++i) {
+          Index* row = result.indices.data() +
+                       result.offsets[samples.input_index(static_cast<Index>(i))];
+          std::transform(csr.begin(i), csr.end(i), row,
+                         [&](Index j) { return samples.input_index(j); });
+          std::sort(row, row + csr.size(i));
+        }
+      });
   return result;
 }
 
@@ -73,31 +74,32 @@ Csr stars_to_input(const Samples& samples, const LocalRegions& regions,
   detail::begin_step(execution, Step::kComplex, samples.size());
   result.offsets = row_offsets(samples, regions.star_offsets);
   result.indices.resize(result.offsets.back() * (dim + 1));
-  detail::for_each_block(samples.size(), kBlock, execution, [&](Offset begin, Offset end) {
-    std::vector<Index> rows;
-    std::vector<const Index*> order;
-    for (Offset i = begin; i < end; ++i) {
-      const Index self = samples.input_index(static_cast<Index>(i));
-      const Offset first = regions.star_offsets[i] * dim;
-      rows.assign(regions.stars.begin() + first,
-                  regions.stars.begin() + regions.star_offsets[i + 1] * dim);
-      order.clear();
-      for (auto row = rows.begin(); row != rows.end(); row += dim) {
-        std::transform(row, row + dim, row,
-                       [&](Index j) { return samples.input_index(j); });
-        std::sort(row, row + dim);
-        order.push_back(&*row);
-      }
-      std::sort(order.begin(), order.end(), [&](const Index* a, const Index* b) {
-        return std::lexicographical_compare(a, a + dim, b, b + dim);
+  detail::for_each_block(
+      samples.size(), kBlock, execution, [&](Offset begin, Offset end) {
+        std::vector<Index> rows;
+        std::vector<const Index*> order;
+        for (Offset i = begin; i < end; ++i) {
+          const Index self = samples.input_index(static_cast<Index>(i));
+          const Offset first = regions.star_offsets[i] * dim;
+          rows.assign(regions.stars.begin() + first,
+                      regions.stars.begin() + regions.star_offsets[i + 1] * dim);
+          order.clear();
+          for (auto row = rows.begin(); row != rows.end(); row += dim) {
+            std::transform(row, row + dim, row,
+                           [&](Index j) { return samples.input_index(j); });
+            std::sort(row, row + dim);
+            order.push_back(&*row);
+          }
+          std::sort(order.begin(), order.end(), [&](const Index* a, const Index* b) {
+            return std::lexicographical_compare(a, a + dim, b, b + dim);
+          });
+          Index* out = result.indices.data() + result.offsets[self] * (dim + 1);
+          for (const Index* row : order) {
+            *out++ = self;
+            out = std::copy(row, row + dim, out);
+          }
+        }
       });
-      Index* out = result.indices.data() + result.offsets[self] * (dim + 1);
-      for (const Index* row : order) {
-        *out++ = self;
-        out = std::copy(row, row + dim, out);
-      }
-    }
-  });
   return result;
 }
 

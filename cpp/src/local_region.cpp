@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "remanifold/local_region.hpp"
 
+#include "detail/convex_hull.hpp"
+#include "detail/dispatch.hpp"
+#include "detail/parallel.hpp"
+#include "detail/tolerance.hpp"
+
+#include <Eigen/Core>
+#include <Eigen/LU>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
 #include <numeric>
-
-#include <Eigen/Core>
-#include <Eigen/LU>
-
-#include "detail/convex_hull.hpp"
-#include "detail/dispatch.hpp"
-#include "detail/parallel.hpp"
-#include "detail/tolerance.hpp"
 
 namespace remanifold {
 namespace {
@@ -183,7 +183,8 @@ class RegionKernel {
     list_.assign(neighborhoods_.of(x), neighborhoods_.of(x) + neighborhoods_.count);
     make_room();
     const Index first = (x - ahead_begin_) * ahead_;
-    tangent_coordinates_.leftCols(ahead_) = ahead_coordinates_.middleCols(first, ahead_);
+    tangent_coordinates_.leftCols(ahead_) =
+        ahead_coordinates_.middleCols(first, ahead_);
     std::copy_n(ahead_distances_.data() + first, ahead_, squared_distances_.data());
     measured_ = static_cast<std::size_t>(ahead_);
     hull_->restart(dim(), 1 / end_);
@@ -378,9 +379,10 @@ class RegionKernel {
       const double nearest = distance.minCoeff(&next);
       product *= nearest;
       for (int i = 0; i < dim(); ++i) {
-        distance[i] = i == next ? kInfinity
-                                : std::min(distance[i],
-                                           (rows.row(i) - rows.row(next)).squaredNorm());
+        distance[i] =
+            i == next
+                ? kInfinity
+                : std::min(distance[i], (rows.row(i) - rows.row(next)).squaredNorm());
       }
       // Those that have joined stay out.
       joined_[next] = true;
@@ -430,8 +432,8 @@ class RegionKernel {
   /// Whether this facet's corner was found to be nearer to no sample before.
   bool is_certified(const Index* facet) const {
     for (std::size_t i = 0; i < certified_.size(); i += dim()) {
-      if (std::is_permutation(facet, facet + dim(), certified_.begin() +
-                                                        static_cast<Offset>(i))) {
+      if (std::is_permutation(facet, facet + dim(),
+                              certified_.begin() + static_cast<Offset>(i))) {
         return true;
       }
     }
@@ -445,7 +447,8 @@ class RegionKernel {
     if (!samples_.has_points()) {
       return false;
     }
-    using Frame = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    using Frame =
+        Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     const Eigen::Map<const Frame> frame(
         tangents_.bases.data() + static_cast<std::size_t>(x_) * dim() * ambient_dim,
         dim(), ambient_dim);
@@ -534,7 +537,7 @@ class RegionKernel {
   Eigen::Matrix<double, K, Eigen::Dynamic> ahead_coordinates_;
   std::vector<double> ahead_distances_;
   std::vector<Neighbor> grown_;
-  std::vector<Index> seen_;       // by certify_corners: the last x each sample was added to
+  std::vector<Index> seen_;  // by certify_corners: the last x each sample was added to
   std::vector<Index> certified_;  // facets, K ids each
   Offset corner_count_ = 0;       // samples asked for around a corner
   double largest_weight_;
@@ -542,11 +545,12 @@ class RegionKernel {
   Eigen::VectorXd difference_;
   Eigen::VectorXd position_;
 
-  double end_;  // where regions without end are cut off
+  double end_;                        // where regions without end are cut off
   mutable std::vector<bool> joined_;  // scratch of shortest_tree
   std::vector<Halfspace> halfspaces_;
   std::vector<Corner> corners_;
-  std::vector<Offset> star_facets_;  // facets that are dual to a corner, in the hull's list
+  std::vector<Offset>
+      star_facets_;  // facets that are dual to a corner, in the hull's list
   double squared_radius_ = kInfinity;
   double limit_ = kInfinity;  // squared distance beyond which no sample cuts
   int fresh_ = 0;             // halfspaces inserted since the last update

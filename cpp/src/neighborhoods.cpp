@@ -2,16 +2,16 @@
 // The only file that knows FLANN.
 #include "remanifold/neighborhoods.hpp"
 
+#include "detail/distance.hpp"
+#include "detail/neighbor_search.hpp"
+#include "detail/parallel.hpp"
+
+#include <flann/flann.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
-
-#include <flann/flann.hpp>
-
-#include "detail/distance.hpp"
-#include "detail/neighbor_search.hpp"
-#include "detail/parallel.hpp"
 
 namespace remanifold {
 namespace {
@@ -35,7 +35,9 @@ struct SquaredEuclidean {
     return worst > 0 ? detail::squared_distance(&*a, &*b, size, worst)
                      : detail::squared_distance(&*a, &*b, size);
   }
-  double accum_dist(double a, double b, int /*axis*/) const { return (a - b) * (a - b); }
+  double accum_dist(double a, double b, int /*axis*/) const {
+    return (a - b) * (a - b);
+  }
 };
 
 /// The nearest samples met so far, kept sorted by insertion while few are asked for and as
@@ -214,9 +216,8 @@ bool is_tree_slow(const Samples& samples, const Execution& execution) {
   const Index probes = std::min(kProbes, samples.size());
   for (Index i = 0; i < probes; ++i) {
     execution.poll();
-    query->nearest(
-        static_cast<Index>(static_cast<Offset>(i) * samples.size() / probes),
-        kProbeCount, std::numeric_limits<double>::infinity(), found);
+    query->nearest(static_cast<Index>(static_cast<Offset>(i) * samples.size() / probes),
+                   kProbeCount, std::numeric_limits<double>::infinity(), found);
   }
   return kTreeCost * calls > static_cast<Offset>(probes) * samples.size();
 }
@@ -304,11 +305,10 @@ Neighborhoods find_neighborhoods(const Samples& samples, const NeighborSearch& s
           local.query->nearest(static_cast<Index>(i), result.count,
                                std::numeric_limits<double>::infinity(), local.list);
           if (static_cast<Index>(local.list.size()) < result.count) {
-            throw std::runtime_error("the search found " +
-                                     std::to_string(local.list.size()) +
-                                     " neighbors instead of " +
-                                     std::to_string(result.count) +
-                                     "; raise checks or search exactly");
+            throw std::runtime_error(
+                "the search found " + std::to_string(local.list.size()) +
+                " neighbors instead of " + std::to_string(result.count) +
+                "; raise checks or search exactly");
           }
           std::transform(local.list.begin(), local.list.end(),
                          result.indices.begin() + i * result.count,
@@ -334,7 +334,8 @@ double measure_recall(const Samples& samples, const NeighborSearch& search, Inde
   Offset hits = 0;
   for (Index i = 0; i < num_queries; ++i) {
     execution.poll();
-    const auto x = static_cast<Index>(static_cast<Offset>(i) * samples.size() / num_queries);
+    const auto x =
+        static_cast<Index>(static_cast<Offset>(i) * samples.size() / num_queries);
     query->nearest(x, count, everywhere, found);
     exact->nearest(x, count, everywhere, expected);
     for (const Neighbor& neighbor : found) {

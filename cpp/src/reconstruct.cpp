@@ -2,15 +2,15 @@
 // The only file that calls all steps.
 #include "remanifold/reconstruct.hpp"
 
-#include <algorithm>
-#include <limits>
-
-#include <tbb/task_arena.h>
-
 #include "detail/parallel.hpp"
 #include "remanifold/input_numbering.hpp"
 #include "remanifold/local_region.hpp"
 #include "remanifold/topology.hpp"
+
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <limits>
 
 namespace remanifold {
 namespace {
@@ -39,12 +39,13 @@ Reconstruction reconstruct(const Samples& samples, const ReconstructOptions& opt
   const NeighborSearch search(samples, options.search, execution);
   const Neighborhoods neighborhoods = find_neighborhoods(
       samples, search,
-      std::max(tangent.num_neighbors, certifying_count(tangent.dim, search)), execution);
+      std::max(tangent.num_neighbors, certifying_count(tangent.dim, search)),
+      execution);
   result.search = search.method();
   result.seconds.neighborhoods = watch.lap();
   if (result.search == SearchMethod::kApproximate) {
-    result.recall = measure_recall(samples, search, neighborhoods.count, kRecallQueries,
-                                   execution);
+    result.recall =
+        measure_recall(samples, search, neighborhoods.count, kRecallQueries, execution);
     watch.lap();
   }
 
@@ -110,7 +111,8 @@ PaperReport paper_report(const SimplexArray& simplices, const Csr& edge_sets,
     for (int i = 0; i <= dim && !starred; ++i) {
       std::copy_if(simplex, simplex + dim + 1, others.begin(),
                    [&](Index v) { return v != simplex[i]; });
-      for (Offset t = stars.offsets[simplex[i]]; t < stars.offsets[simplex[i] + 1]; ++t) {
+      for (Offset t = stars.offsets[simplex[i]]; t < stars.offsets[simplex[i] + 1];
+           ++t) {
         const Index* star = stars.indices.data() + t * (dim + 1);
         starred = starred || std::equal(others.begin(), others.end(), star + 1);
       }

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "remanifold/samples.hpp"
 
+#include "detail/distance.hpp"
+#include "detail/parallel.hpp"
+#include "detail/tolerance.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,10 +13,6 @@
 #include <numeric>
 #include <stdexcept>
 #include <string>
-
-#include "detail/distance.hpp"
-#include "detail/parallel.hpp"
-#include "detail/tolerance.hpp"
 
 namespace remanifold {
 namespace {
@@ -36,8 +36,8 @@ void check_finite(MatrixView matrix, const char* what, const Execution& executio
     for (Offset i = begin; i < end; ++i) {
       for (Offset j = 0; j < matrix.cols; ++j) {
         if (!std::isfinite(matrix.row(i)[j])) {
-          throw std::invalid_argument(std::string(what) + "[" + std::to_string(i) + ", " +
-                                      std::to_string(j) + "] is not finite");
+          throw std::invalid_argument(std::string(what) + "[" + std::to_string(i) +
+                                      ", " + std::to_string(j) + "] is not finite");
         }
       }
     }
@@ -139,8 +139,9 @@ Samples Samples::from_points(MatrixView points, const Execution& execution) {
   double largest_scaled = 0;
   for (Offset j = 0; j < dim; ++j) {
     if (low[j] != high[j]) {
-      largest_scaled = std::max({largest_scaled, std::abs(low[j] * samples.inverse_scale_),
-                                 std::abs(high[j] * samples.inverse_scale_)});
+      largest_scaled =
+          std::max({largest_scaled, std::abs(low[j] * samples.inverse_scale_),
+                    std::abs(high[j] * samples.inverse_scale_)});
     }
   }
   const double tolerance = detail::kCoincidence * largest_scaled;
@@ -183,10 +184,12 @@ Samples Samples::from_points(MatrixView points, const Execution& execution) {
       continue;
     }
     members.assign(1, keys[i].index);
-    for (Offset j = i + 1; j < n && keys[j].code == keys[i].code &&
-                           scaled(keys[j].index, 0) - scaled(keys[i].index, 0) <= tolerance;
+    for (Offset j = i + 1;
+         j < n && keys[j].code == keys[i].code &&
+         scaled(keys[j].index, 0) - scaled(keys[i].index, 0) <= tolerance;
          ++j) {
-      if (representatives[keys[j].index] < 0 && coincide(keys[i].index, keys[j].index)) {
+      if (representatives[keys[j].index] < 0 &&
+          coincide(keys[i].index, keys[j].index)) {
         members.push_back(keys[j].index);
         representatives[keys[j].index] = 0;
       }
@@ -225,9 +228,9 @@ Samples Samples::from_matrix(MatrixView matrix, Kind kind, const Execution& exec
   const char* what = is_gram ? "gram" : "distances";
   check_count(matrix.rows, what);
   if (matrix.rows != matrix.cols) {
-    throw std::invalid_argument(std::string(what) + " is not square: " +
-                                std::to_string(matrix.rows) + " x " +
-                                std::to_string(matrix.cols));
+    throw std::invalid_argument(std::string(what) +
+                                " is not square: " + std::to_string(matrix.rows) +
+                                " x " + std::to_string(matrix.cols));
   }
   const Offset n = matrix.rows;
   detail::begin_step(execution, Step::kPrepare, 3 * n);
@@ -237,10 +240,9 @@ Samples Samples::from_matrix(MatrixView matrix, Kind kind, const Execution& exec
   for (Offset i = 0; i < n; ++i) {
     const double* row = matrix.row(i);
     if (is_gram ? row[i] < 0 : row[i] != 0) {
-      throw std::invalid_argument(std::string(what) + "[" + std::to_string(i) + ", " +
-                                  std::to_string(i) + "] is " +
-                                  (is_gram ? "negative: not positive semidefinite"
-                                           : "not zero"));
+      throw std::invalid_argument(
+          std::string(what) + "[" + std::to_string(i) + ", " + std::to_string(i) +
+          "] is " + (is_gram ? "negative: not positive semidefinite" : "not zero"));
     }
     largest = is_gram ? std::max(largest, row[i])
                       : std::max(largest, *std::max_element(row, row + n));
@@ -253,11 +255,12 @@ Samples Samples::from_matrix(MatrixView matrix, Kind kind, const Execution& exec
         const double ij = matrix.row(i)[j];
         if (std::abs(ij - matrix.row(j)[i]) > asymmetry) {
           throw std::invalid_argument(std::string(what) + " is not symmetric at [" +
-                                      std::to_string(i) + ", " + std::to_string(j) + "]");
+                                      std::to_string(i) + ", " + std::to_string(j) +
+                                      "]");
         }
         if (!is_gram && ij < 0) {
-          throw std::invalid_argument(std::string(what) + "[" + std::to_string(i) + ", " +
-                                      std::to_string(j) + "] is negative");
+          throw std::invalid_argument(std::string(what) + "[" + std::to_string(i) +
+                                      ", " + std::to_string(j) + "] is negative");
         }
       }
     }
@@ -337,11 +340,12 @@ double Samples::inner_product(Index x, Index a, Index b) const {
     return sum;
   }
   if (kind_ == Kind::kDistances) {
-    return (squared_distance(x, a) + squared_distance(x, b) - squared_distance(a, b)) / 2;
+    return (squared_distance(x, a) + squared_distance(x, b) - squared_distance(a, b)) /
+           2;
   }
   const auto entry = [&](Index p, Index q) {
-    return matrix_.row(std::min(input_index_[p], input_index_[q]))[std::max(
-        input_index_[p], input_index_[q])];
+    return matrix_.row(std::min(
+        input_index_[p], input_index_[q]))[std::max(input_index_[p], input_index_[q])];
   };
   const double product = (entry(a, b) - entry(x, b)) + (entry(x, x) - entry(x, a));
   return (product * inverse_scale_) * inverse_scale_;

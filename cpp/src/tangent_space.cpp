@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "remanifold/tangent_space.hpp"
 
-#include <algorithm>
-#include <limits>
-#include <stdexcept>
-#include <string>
-
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-
 #include "detail/dispatch.hpp"
 #include "detail/enclosing_simplex.hpp"
 #include "detail/local_coordinates.hpp"
 #include "detail/parallel.hpp"
 #include "detail/tolerance.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+#include <string>
 
 namespace remanifold {
 namespace {
@@ -208,8 +208,7 @@ class TangentKernel {
         local.coordinates.to_ambient(local.coefficients, local.basis);
         local.found = detail::orthonormalize(local.basis);
       }
-      const auto size =
-          static_cast<std::size_t>(options_.dim) * samples_.ambient_dim();
+      const auto size = static_cast<std::size_t>(options_.dim) * samples_.ambient_dim();
       double* out = result.bases.data() + static_cast<std::size_t>(x) * size;
       if (local.found) {
         std::copy_n(local.basis.data(), size, out);
@@ -245,10 +244,9 @@ void validate(const Samples& samples, const TangentOptions& options) {
                                 ", expected at least 1");
   }
   if (samples.has_points() && options.dim > samples.ambient_dim()) {
-    throw std::invalid_argument("dim is " + std::to_string(options.dim) +
-                                ", more than the " +
-                                std::to_string(samples.ambient_dim()) +
-                                " coordinates of the points");
+    throw std::invalid_argument(
+        "dim is " + std::to_string(options.dim) + ", more than the " +
+        std::to_string(samples.ambient_dim()) + " coordinates of the points");
   }
   if (options.num_neighbors < options.dim + 1) {
     throw std::invalid_argument(
@@ -261,7 +259,8 @@ void validate(const Samples& samples, const TangentOptions& options) {
 
 TangentSpaces compute_tangent_spaces(const Samples& samples,
                                      const Neighborhoods& neighborhoods,
-                                     TangentOptions options, const Execution& execution) {
+                                     TangentOptions options,
+                                     const Execution& execution) {
   if (options.num_neighbors == 0) {
     options.num_neighbors = 10 * options.dim;
   }
@@ -284,14 +283,13 @@ TangentSpaces compute_tangent_spaces(const Samples& samples,
   detail::begin_step(execution, Step::kTangentSpaces, samples.size());
   detail::dispatch_dim(options.dim, [&](auto k) {
     using Kernel = TangentKernel<decltype(k)::value>;
-    detail::PerThread<Kernel> kernels([&] {
-      return Kernel(samples, neighborhoods, count, options, execution);
-    });
-    detail::for_each_block(
-        samples.size(), group_size(options.dim), execution, [&](Offset begin, Offset end) {
-          kernels.local().compute(static_cast<Index>(begin), static_cast<Index>(end),
-                                  result);
-        });
+    detail::PerThread<Kernel> kernels(
+        [&] { return Kernel(samples, neighborhoods, count, options, execution); });
+    detail::for_each_block(samples.size(), group_size(options.dim), execution,
+                           [&](Offset begin, Offset end) {
+                             kernels.local().compute(static_cast<Index>(begin),
+                                                     static_cast<Index>(end), result);
+                           });
     for (const Kernel& kernel : kernels) {
       result.coordinate_seconds += kernel.coordinate_seconds();
     }

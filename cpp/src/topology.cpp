@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "remanifold/topology.hpp"
 
+#include "detail/parallel.hpp"
+
 #include <algorithm>
 #include <array>
 #include <iterator>
 #include <numeric>
 #include <stdexcept>
 #include <string>
-
-#include "detail/parallel.hpp"
 
 namespace remanifold {
 namespace {
@@ -164,7 +164,8 @@ Offset euler_characteristic(const std::vector<Offset>& face_counts) {
 }
 
 /// The faces opposite to vertex number v of the table of vertices.
-SimplexArray link_of(const SimplexArray& simplices, const FaceTable& vertices, Offset v) {
+SimplexArray link_of(const SimplexArray& simplices, const FaceTable& vertices,
+                     Offset v) {
   const Index vertex = vertices.faces[v][0];
   SimplexArray link{simplices.arity - 1, {}};
   link.vertices.reserve(vertices.cofaces(v) * link.arity);
@@ -268,10 +269,10 @@ void validate(const SimplexArray& simplices, Index num_vertices) {
     const Index* simplex = simplices[s];
     for (int i = 0; i < simplices.arity; ++i) {
       if (simplex[i] < 0 || simplex[i] >= num_vertices) {
-        throw std::invalid_argument(
-            "simplices[" + std::to_string(s) + ", " + std::to_string(i) + "] is " +
-            std::to_string(simplex[i]) + ", expected 0 to " +
-            std::to_string(num_vertices - 1));
+        throw std::invalid_argument("simplices[" + std::to_string(s) + ", " +
+                                    std::to_string(i) + "] is " +
+                                    std::to_string(simplex[i]) + ", expected 0 to " +
+                                    std::to_string(num_vertices - 1));
       }
       if (i > 0 && simplex[i - 1] >= simplex[i]) {
         throw std::invalid_argument("simplices[" + std::to_string(s) +
@@ -424,11 +425,12 @@ Topology compute_topology(const SimplexArray& simplices, Index num_vertices,
   const FaceTable vertices = make_face_table(simplices, 0);
   std::vector<std::uint8_t> singular(vertices.size(), 0);
   detail::begin_step(execution, Step::kTopology, vertices.size());
-  detail::for_each_block(vertices.size(), 256, execution, [&](Offset begin, Offset end) {
-    for (Offset v = begin; v < end; ++v) {
-      singular[v] = is_sphere_or_ball(link_of(simplices, vertices, v)) ? 0 : 1;
-    }
-  });
+  detail::for_each_block(
+      vertices.size(), 256, execution, [&](Offset begin, Offset end) {
+        for (Offset v = begin; v < end; ++v) {
+          singular[v] = is_sphere_or_ball(link_of(simplices, vertices, v)) ? 0 : 1;
+        }
+      });
   for (Offset v = 0; v < vertices.size(); ++v) {
     if (singular[v] != 0) {
       result.singular_vertices.push_back(vertices.faces[v][0]);
@@ -437,7 +439,8 @@ Topology compute_topology(const SimplexArray& simplices, Index num_vertices,
   return result;
 }
 
-OpenFaces find_open_faces(const Faces& faces, const std::vector<std::uint8_t>& boundary) {
+OpenFaces find_open_faces(const Faces& faces,
+                          const std::vector<std::uint8_t>& boundary) {
   OpenFaces result;
   result.faces.arity = faces.simplices.arity;
   for (Offset f = 0; f < faces.simplices.size(); ++f) {
@@ -452,7 +455,8 @@ OpenFaces find_open_faces(const Faces& faces, const std::vector<std::uint8_t>& b
   if (result.faces.arity > 1) {
     const FaceTable ridges = make_face_table(result.faces, result.faces.arity - 2);
     for (Offset r = 0; r < ridges.size(); ++r) {
-      const Offset first = ridges.instances[ridges.offsets[r]] / ridges.faces_per_simplex;
+      const Offset first =
+          ridges.instances[ridges.offsets[r]] / ridges.faces_per_simplex;
       for (Offset i = ridges.offsets[r]; i < ridges.offsets[r + 1]; ++i) {
         sets.join(first, ridges.instances[i] / ridges.faces_per_simplex);
       }

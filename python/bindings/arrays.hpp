@@ -2,15 +2,15 @@
 // numpy in as views, vectors out as arrays that own them.
 #pragma once
 
-#include <cstdint>
-#include <memory>
-#include <utility>
-#include <vector>
+#include "remanifold/types.hpp"
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
-#include "remanifold/types.hpp"
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
 
 namespace remanifold::python {
 

@@ -30,7 +30,8 @@ py::dict reconstruct_paper(const std::string& kind, const InputArray<double>& ma
   out["star_simplices"] =
       to_numpy(std::move(result.stars.indices), {star_count, dim + 1});
   if (kind == "points") {
-    out["tangents"] = to_numpy(std::move(result.tangents), {rows, dim, matrix.shape(1)});
+    out["tangents"] =
+        to_numpy(std::move(result.tangents), {rows, dim, matrix.shape(1)});
   } else {
     out["tangents"] = py::none();
   }

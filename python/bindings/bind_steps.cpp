@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Each step on its own, in the caller's numbering of the samples.
-#include <cmath>
-#include <limits>
-
 #include "arrays.hpp"
 #include "options.hpp"
 #include "run.hpp"
+
+#include <cmath>
+#include <limits>
 
 namespace remanifold::python {
 namespace {
@@ -77,7 +77,8 @@ py::tuple tangent_spaces(const std::string& kind, const InputArray<double>& matr
                         to_bool_array(std::move(result.boundary)));
 }
 
-py::tuple local_regions(const InputArray<double>& points, const InputArray<double>& bases,
+py::tuple local_regions(const InputArray<double>& points,
+                        const InputArray<double>& bases,
                         const InputArray<bool>& boundary, const std::string& search,
                         int checks, int num_threads, const py::object& progress) {
   struct Result {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "arrays.hpp"
-#include "run.hpp"
 #include "remanifold/remanifold.hpp"
+#include "run.hpp"
 
 namespace remanifold::python {
 namespace {
@@ -38,8 +38,9 @@ py::dict report(const InputArray<Index>& simplices,
                 const InputArray<Offset>& edge_set_offsets,
                 const InputArray<Index>& edge_set_indices,
                 const InputArray<Offset>& star_offsets,
-                const InputArray<Index>& star_simplices, const InputArray<bool>& boundary,
-                int num_threads, const py::object& progress) {
+                const InputArray<Index>& star_simplices,
+                const InputArray<bool>& boundary, int num_threads,
+                const py::object& progress) {
   const SimplexArray complex = simplex_array(simplices);
   const Csr edge_sets{to_vector(edge_set_offsets), to_vector(edge_set_indices)};
   const Csr stars{to_vector(star_offsets), to_vector(star_simplices)};
@@ -64,12 +65,11 @@ void bind_topology(py::module_& module) {
              py::arg("num_vertices"), py::arg("num_threads"), py::arg("progress"));
   module.def("component_labels", &component_labels, py::arg("simplices").noconvert(),
              py::arg("num_vertices"));
-  module.def("paper_report", &report, py::arg("simplices").noconvert(),
-             py::arg("edge_set_offsets").noconvert(),
-             py::arg("edge_set_indices").noconvert(), py::arg("star_offsets").noconvert(),
-             py::arg("star_simplices").noconvert(),
-             py::arg("boundary").noconvert(), py::arg("num_threads"),
-             py::arg("progress"));
+  module.def(
+      "paper_report", &report, py::arg("simplices").noconvert(),
+      py::arg("edge_set_offsets").noconvert(), py::arg("edge_set_indices").noconvert(),
+      py::arg("star_offsets").noconvert(), py::arg("star_simplices").noconvert(),
+      py::arg("boundary").noconvert(), py::arg("num_threads"), py::arg("progress"));
 }
 
 }  // namespace remanifold::python

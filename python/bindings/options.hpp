@@ -2,11 +2,11 @@
 // Words of the Python interface -> enumerations of the core.
 #pragma once
 
-#include <stdexcept>
-#include <string>
-
 #include "arrays.hpp"
 #include "remanifold/remanifold.hpp"
+
+#include <stdexcept>
+#include <string>
 
 namespace remanifold::python {
 

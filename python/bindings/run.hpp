@@ -3,16 +3,16 @@
 // progress and listens for Ctrl-C.
 #pragma once
 
+#include "remanifold/execution.hpp"
+
+#include <pybind11/pybind11.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <future>
 #include <string>
 #include <utility>
-
-#include <pybind11/pybind11.h>
-
-#include "remanifold/execution.hpp"
 
 namespace remanifold::python {
 

@@ -2,13 +2,13 @@
 // Seeded samples and slow checks shared by the tests.
 #pragma once
 
+#include "remanifold/remanifold.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <random>
 #include <set>
 #include <vector>
-
-#include "remanifold/remanifold.hpp"
 
 namespace remanifold::testing {
 
@@ -25,7 +25,8 @@ inline Cloud gaussian(Offset n, int dim, unsigned seed) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
   Cloud cloud{std::vector<double>(n * dim), dim};
-  std::generate(cloud.points.begin(), cloud.points.end(), [&] { return normal(random); });
+  std::generate(cloud.points.begin(), cloud.points.end(),
+                [&] { return normal(random); });
   return cloud;
 }
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <stdexcept>
+#include "support.hpp"
 
 #include <gtest/gtest.h>
 
-#include "support.hpp"
+#include <stdexcept>
 
 namespace remanifold {
 namespace {
@@ -46,8 +46,9 @@ TEST(CliqueComplex, CompleteGraph) {
   }
   EXPECT_EQ(clique_complex(complete, 1).size(), 10);
   EXPECT_EQ(clique_complex(complete, 2).size(), 10);
-  EXPECT_EQ(testing::rows(clique_complex(complete, 3)),
-            (Rows{{0, 1, 2, 3}, {0, 1, 2, 4}, {0, 1, 3, 4}, {0, 2, 3, 4}, {1, 2, 3, 4}}));
+  EXPECT_EQ(
+      testing::rows(clique_complex(complete, 3)),
+      (Rows{{0, 1, 2, 3}, {0, 1, 2, 4}, {0, 1, 3, 4}, {0, 2, 3, 4}, {1, 2, 3, 4}}));
   EXPECT_EQ(clique_complex(complete, 4).size(), 1);
   EXPECT_EQ(clique_complex(complete, 5).size(), 0);
 }

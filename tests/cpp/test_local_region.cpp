@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <cmath>
-#include <limits>
-#include <map>
-#include <set>
+#include "support.hpp"
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
-#include "support.hpp"
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
 
 namespace remanifold {
 namespace {
@@ -63,7 +63,8 @@ void expect_empty_balls(const Computed& c) {
       const double radius = corner.squaredNorm();
       largest = std::max(largest, radius);
       for (Index q = 0; q < c.samples.size(); ++q) {
-        const double distance = (difference(q) - basis.transpose() * corner).squaredNorm();
+        const double distance =
+            (difference(q) - basis.transpose() * corner).squaredNorm();
         ASSERT_GT(distance, radius * (1 - 1e-6) - 1e-9) << "sample " << x;
       }
     }
@@ -113,9 +114,10 @@ TEST(LocalRegions, HigherDimensions) {
 TEST(LocalRegions, DoNotDependOnTheSearchNorOnHowManyNeighborsAreKnown) {
   for (int dim = 1; dim <= 4; ++dim) {
     const Cloud cloud = testing::gaussian(200, dim + 1, 10 + dim);
-    const Computed reference = regions_of(cloud, dim, Estimator::kPca,
-                                          SearchMethod::kKdTree, 199);
-    for (const SearchMethod method : {SearchMethod::kKdTree, SearchMethod::kBruteForce}) {
+    const Computed reference =
+        regions_of(cloud, dim, Estimator::kPca, SearchMethod::kKdTree, 199);
+    for (const SearchMethod method :
+         {SearchMethod::kKdTree, SearchMethod::kBruteForce}) {
       const Computed other = regions_of(cloud, dim, Estimator::kPca, method, 10 * dim);
       EXPECT_EQ(other.regions.edge_sets.offsets, reference.regions.edge_sets.offsets);
       EXPECT_EQ(other.regions.edge_sets.indices, reference.regions.edge_sets.indices);
@@ -179,7 +181,8 @@ TEST(LocalRegions, ClustersFarApartKeepTheirSimplices) {
   Cloud cloud = testing::gaussian(24, 4, 3);
   for (Offset i = 0; i < cloud.size(); ++i) {
     for (int j = 0; j < 4; ++j) {
-      cloud.points[i * 4 + j] = 1e-5 * cloud.points[i * 4 + j] + (j == 0 && i % 2 == 1 ? 1.0 : 0.0);
+      cloud.points[i * 4 + j] =
+          1e-5 * cloud.points[i * 4 + j] + (j == 0 && i % 2 == 1 ? 1.0 : 0.0);
     }
   }
   expect_empty_balls(regions_of(cloud, 4));

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <limits>
-#include <stdexcept>
+#include "support.hpp"
 
 #include <gtest/gtest.h>
 
-#include "support.hpp"
+#include <limits>
+#include <stdexcept>
 
 namespace remanifold {
 namespace {
@@ -128,7 +128,8 @@ TEST(Neighborhoods, StopsWhenCancelled) {
   Progress progress;
   progress.cancel = true;
   for (const int threads : {1, 2}) {
-    EXPECT_THROW(find_neighborhoods(samples, search, 20, {threads, &progress}), Cancelled);
+    EXPECT_THROW(find_neighborhoods(samples, search, 20, {threads, &progress}),
+                 Cancelled);
   }
 }
 

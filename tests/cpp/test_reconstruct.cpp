@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <cmath>
+#include "support.hpp"
 
 #include <gtest/gtest.h>
 
-#include "support.hpp"
+#include <cmath>
 
 namespace remanifold {
 namespace {
@@ -35,14 +35,15 @@ TEST(Reconstruct, CircleIsOneClosedPolygon) {
 TEST(Reconstruct, SphereHasSpuriousTrianglesAtVerticesOfDegreeThree) {
   const Cloud cloud = testing::sphere(800, 2, 1);
   const Reconstruction rec = reconstruct_paper(Samples::from_points(cloud.view()), 2);
-  const PaperReport report = paper_report(rec.simplices, rec.edge_sets, rec.stars, rec.boundary);
+  const PaperReport report =
+      paper_report(rec.simplices, rec.edge_sets, rec.stars, rec.boundary);
   ASSERT_GT(report.unstarred_simplices.size(), 0);
   // Without them it is the sphere, callouses and holes aside.
   const Topology t = compute_topology(rec.simplices, 800);
   EXPECT_GE(t.euler_characteristic, 2 + report.unstarred_simplices.size() - 2);
   for (const std::vector<Index>& simplex : testing::rows(report.unstarred_simplices)) {
-    for (Offset s = rec.stars.offsets[simplex[0]]; s < rec.stars.offsets[simplex[0] + 1];
-         ++s) {
+    for (Offset s = rec.stars.offsets[simplex[0]];
+         s < rec.stars.offsets[simplex[0] + 1]; ++s) {
       const Index* star = rec.stars.indices.data() + 3 * s;
       EXPECT_FALSE(star[1] == simplex[1] && star[2] == simplex[2]);
     }
@@ -112,7 +113,8 @@ TEST(Reconstruct, DegenerateInputIsSound) {
   for (int i = 0; i < 40; ++i) {
     line.points.insert(line.points.end(), {1.0 * i, 2.0 * i, -1.0 * i});
   }
-  EXPECT_EQ(reconstruct_paper(Samples::from_points(line.view()), 2).simplices.size(), 0);
+  EXPECT_EQ(reconstruct_paper(Samples::from_points(line.view()), 2).simplices.size(),
+            0);
   // As a curve it is a path, short of its two ends, which have no tangent basis.
   const Reconstruction path = reconstruct_paper(Samples::from_points(line.view()), 1);
   EXPECT_EQ(path.simplices.size(), 37);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "support.hpp"
+
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <limits>
 #include <set>
 #include <stdexcept>
-
-#include <gtest/gtest.h>
-
-#include "support.hpp"
 
 namespace remanifold {
 namespace {
@@ -47,7 +47,8 @@ TEST(Samples, NumbersEveryDistinctPointOnce) {
   for (Index i = 0; i < samples.size(); ++i) {
     seen.insert(samples.input_index(i));
     for (int j = 0; j < cloud.dim; ++j) {
-      EXPECT_EQ(samples.point(i)[j] * samples.scale(), cloud[samples.input_index(i)][j]);
+      EXPECT_EQ(samples.point(i)[j] * samples.scale(),
+                cloud[samples.input_index(i)][j]);
     }
   }
   EXPECT_EQ(seen.size(), 500U);

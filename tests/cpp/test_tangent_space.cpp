@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <cmath>
-#include <stdexcept>
+#include "support.hpp"
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
-#include "support.hpp"
+#include <cmath>
+#include <stdexcept>
 
 namespace remanifold {
 namespace {
@@ -58,8 +58,8 @@ double sphere_error(Estimator estimator, Offset n) {
   const TangentSpaces tangents = tangents_of(samples, {2, 20, estimator});
   std::vector<double> sines;
   for (Index i = 0; i < samples.size(); ++i) {
-    const Eigen::Vector3d normal = Eigen::Map<const Eigen::Vector3d>(samples.point(i))
-                                       .normalized();
+    const Eigen::Vector3d normal =
+        Eigen::Map<const Eigen::Vector3d>(samples.point(i)).normalized();
     sines.push_back((basis_of(tangents, samples, i) * normal).norm());
   }
   std::nth_element(sines.begin(), sines.begin() + sines.size() / 2, sines.end());
@@ -68,7 +68,8 @@ double sphere_error(Estimator estimator, Offset n) {
 
 TEST(TangentSpaces, JetIsOfSecondOrder) {
   // Four times the samples is half the spacing.
-  EXPECT_LT(sphere_error(Estimator::kJet, 4000), sphere_error(Estimator::kPca, 4000) / 4);
+  EXPECT_LT(sphere_error(Estimator::kJet, 4000),
+            sphere_error(Estimator::kPca, 4000) / 4);
   const double ratio =
       sphere_error(Estimator::kJet, 1000) / sphere_error(Estimator::kJet, 16000);
   EXPECT_GT(ratio, 10);  // 16 in the limit, 4 for an estimator of first order

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <stdexcept>
+#include "support.hpp"
 
 #include <gtest/gtest.h>
 
-#include "support.hpp"
+#include <stdexcept>
 
 namespace remanifold {
 namespace {
@@ -115,8 +115,7 @@ TEST(Faces, ManyVertices) {
 
 TEST(OpenFaces, HolesHaveNoBoundarySample) {
   // An annulus of triangles: 0 1 2 inside, 3 4 5 outside.
-  const SimplexArray annulus{
-      3, {0, 1, 3, 1, 3, 4, 1, 2, 4, 2, 4, 5, 0, 2, 5, 0, 3, 5}};
+  const SimplexArray annulus{3, {0, 1, 3, 1, 3, 4, 1, 2, 4, 2, 4, 5, 0, 2, 5, 0, 3, 5}};
   const Faces faces = faces_of(annulus, 1);
   const OpenFaces open = find_open_faces(faces, {0, 0, 0, 1, 1, 1});
   EXPECT_EQ(open.faces.size(), 6);

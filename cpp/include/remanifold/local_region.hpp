@@ -13,14 +13,14 @@
 //   ties of cocircular samples the same way in every region.
 #pragma once
 
-#include <cstdint>
-#include <vector>
-
 #include "remanifold/execution.hpp"
 #include "remanifold/neighborhoods.hpp"
 #include "remanifold/samples.hpp"
 #include "remanifold/tangent_space.hpp"
 #include "remanifold/types.hpp"
+
+#include <cstdint>
+#include <vector>
 
 namespace remanifold {
 
@@ -36,13 +36,13 @@ std::vector<double> tie_weights(const Samples& samples,
 
 struct LocalRegions {
   int dim = 0;
-  Csr edge_sets;             ///< ES(x), ascending
+  Csr edge_sets;  ///< ES(x), ascending
   std::vector<Offset> star_offsets{0};
   std::vector<Index> stars;  ///< K vertices a simplex, ascending; x itself left out
-  std::vector<double> squared_radii;    ///< of LR(x); infinite where unbounded, NaN on BD
-  Offset neighbors_used = 0;            ///< samples looked at by all regions together
-  Offset vacuous_constraints = 0;       ///< samples straight above x: no constraint
-  double coordinate_seconds = 0;     ///< thread time spent on coordinates
+  std::vector<double> squared_radii;  ///< of LR(x); infinite where unbounded, NaN on BD
+  Offset neighbors_used = 0;          ///< samples looked at by all regions together
+  Offset vacuous_constraints = 0;     ///< samples straight above x: no constraint
+  double coordinate_seconds = 0;      ///< thread time spent on coordinates
 };
 
 LocalRegions compute_local_regions(const Samples& samples, const NeighborSearch& search,

@@ -5,14 +5,14 @@
 // Gram and distance matrices. Cost O(N log N) or O(N^2 D).
 #pragma once
 
+#include "remanifold/execution.hpp"
+#include "remanifold/samples.hpp"
+#include "remanifold/types.hpp"
+
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
-
-#include "remanifold/execution.hpp"
-#include "remanifold/samples.hpp"
-#include "remanifold/types.hpp"
 
 namespace remanifold {
 

@@ -2,15 +2,15 @@
 // The whole pipeline in one call, in the caller's numbering of the samples.
 #pragma once
 
-#include <cstdint>
-#include <vector>
-
 #include "remanifold/clique_complex.hpp"
 #include "remanifold/execution.hpp"
 #include "remanifold/neighborhoods.hpp"
 #include "remanifold/samples.hpp"
 #include "remanifold/tangent_space.hpp"
 #include "remanifold/types.hpp"
+
+#include <cstdint>
+#include <vector>
 
 namespace remanifold {
 
@@ -38,13 +38,14 @@ struct Reconstruction {
   SimplexArray edges;
   Csr edge_sets;
   Csr stars;  ///< per sample, K + 1 vertices a simplex: the sample, then the others
-  std::vector<double> tangents;           ///< N x K x D, NaN where there is none
-  std::vector<Index> tangent_simplices;   ///< N x (K+1)
-  std::vector<std::uint8_t> boundary;     ///< N: the paper's BD
-  std::vector<std::uint8_t> unbounded;    ///< N: LR(x) is unbounded
-  std::vector<Index> representatives;     ///< N
+  std::vector<double> tangents;          ///< N x K x D, NaN where there is none
+  std::vector<Index> tangent_simplices;  ///< N x (K+1)
+  std::vector<std::uint8_t> boundary;    ///< N: the paper's BD
+  std::vector<std::uint8_t> unbounded;   ///< N: LR(x) is unbounded
+  std::vector<Index> representatives;    ///< N
   SearchMethod search = SearchMethod::kAuto;
-  double recall = 1.0;  ///< below 1 only for the approximate search; measured on a sample
+  double recall =
+      1.0;  ///< below 1 only for the approximate search; measured on a sample
   Offset neighbors_used = 0;
   Offset vacuous_constraints = 0;
   StepSeconds seconds;

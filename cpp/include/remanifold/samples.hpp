@@ -9,10 +9,10 @@
 // <a-x, b-x> = (|a-x|^2 + |b-x|^2 - |a-b|^2) / 2 is all that the method needs.
 #pragma once
 
-#include <vector>
-
 #include "remanifold/execution.hpp"
 #include "remanifold/types.hpp"
+
+#include <vector>
 
 namespace remanifold {
 

@@ -9,12 +9,12 @@
 // Work per sample is in the m x m Gram matrix of the neighborhood: free of D.
 #pragma once
 
-#include <cstdint>
-#include <vector>
-
 #include "remanifold/execution.hpp"
 #include "remanifold/neighborhoods.hpp"
 #include "remanifold/samples.hpp"
+
+#include <cstdint>
+#include <vector>
 
 namespace remanifold {
 
@@ -37,7 +37,7 @@ struct TangentSpaces {
   /// size() x (K+1): the tangent basis tuple, nearest first; -1 where there is none.
   std::vector<Index> simplices;
   std::vector<std::uint8_t> boundary;  ///< 1: no tangent basis
-  double coordinate_seconds = 0;    ///< thread time spent on coordinates
+  double coordinate_seconds = 0;       ///< thread time spent on coordinates
 };
 
 /// \throws std::invalid_argument  K < 1, K > D, fewer neighbors than K + 1 asked for

@@ -3,11 +3,11 @@
 // Euler characteristic, components, links, orientability, holes.
 #pragma once
 
-#include <cstdint>
-#include <vector>
-
 #include "remanifold/execution.hpp"
 #include "remanifold/types.hpp"
+
+#include <cstdint>
+#include <vector>
 
 namespace remanifold {
 
@@ -53,9 +53,10 @@ Topology compute_topology(const SimplexArray& simplices, Index num_vertices,
 /// own). A set none of whose vertices is marked as boundary is a hole.
 struct OpenFaces {
   SimplexArray faces;
-  std::vector<Index> set;         ///< of each face
-  std::vector<std::uint8_t> hole; ///< of each set
+  std::vector<Index> set;          ///< of each face
+  std::vector<std::uint8_t> hole;  ///< of each set
 };
-OpenFaces find_open_faces(const Faces& faces, const std::vector<std::uint8_t>& boundary);
+OpenFaces find_open_faces(const Faces& faces,
+                          const std::vector<std::uint8_t>& boundary);
 
 }  // namespace remanifold

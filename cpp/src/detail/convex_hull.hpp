@@ -9,10 +9,10 @@
 // points on a common ray, as all rows of a grid are, count as extreme.
 #pragma once
 
+#include "remanifold/types.hpp"
+
 #include <memory>
 #include <vector>
-
-#include "remanifold/types.hpp"
 
 namespace remanifold::detail {
 

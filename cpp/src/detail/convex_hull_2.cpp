@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // CGAL's 2D convex hull, over the extreme points so far and those inserted since.
-#include <iterator>
+#include "detail/convex_hull.hpp"
 
 #include <CGAL/Convex_hull_traits_adapter_2.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/ch_graham_andrew.h>
 #include <CGAL/property_map.h>
 
-#include "detail/convex_hull.hpp"
+#include <iterator>
 
 namespace remanifold::detail {
 namespace {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // CGAL's 3D triangulation, into which only points outside the hull so far are inserted.
+#include "detail/convex_hull.hpp"
+
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Triangulation_3.h>
 #include <CGAL/Triangulation_data_structure_3.h>
 #include <CGAL/Triangulation_vertex_base_with_info_3.h>
-
-#include "detail/convex_hull.hpp"
 
 namespace remanifold::detail {
 namespace {

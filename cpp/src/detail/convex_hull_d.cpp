@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // CGAL's dD triangulation, into which only points outside the hull so far are inserted.
 // K = 4 has a kernel of its own, larger K share the one of run-time dimension.
-#include <algorithm>
-#include <iterator>
+#include "detail/convex_hull.hpp"
 
 #include <CGAL/Epick_d.h>
 #include <CGAL/Triangulation.h>
 
-#include "detail/convex_hull.hpp"
+#include <algorithm>
+#include <iterator>
 
 namespace remanifold::detail {
 namespace {

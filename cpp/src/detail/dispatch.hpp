@@ -3,10 +3,10 @@
 // their own, with everything of size K on the stack; larger K share one.
 #pragma once
 
+#include <Eigen/Core>
+
 #include <type_traits>
 #include <utility>
-
-#include <Eigen/Core>
 
 namespace remanifold::detail {
 

@@ -10,9 +10,8 @@
 namespace remanifold::detail {
 
 /// \param worst  beyond this the value does not matter, as long as it is larger
-inline double squared_distance(
-    const double* a, const double* b, std::size_t dim,
-    double worst = std::numeric_limits<double>::infinity()) {
+inline double squared_distance(const double* a, const double* b, std::size_t dim,
+                               double worst = std::numeric_limits<double>::infinity()) {
   if (dim < 8) {
     double sum = 0;
     for (std::size_t i = 0; i < dim; ++i) {

@@ -9,17 +9,17 @@
 // fixed, so that the innermost loop, which runs over the last member, costs one division.
 #pragma once
 
-#include <algorithm>
-#include <array>
-#include <cstdint>
-#include <vector>
-
-#include <Eigen/Core>
-
 #include "detail/local_coordinates.hpp"
 #include "detail/tolerance.hpp"
 #include "remanifold/execution.hpp"
 #include "remanifold/types.hpp"
+
+#include <Eigen/Core>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <vector>
 
 namespace remanifold::detail {
 
@@ -186,8 +186,8 @@ class EnclosingSimplex {
           gram(a, y) - gram(a, origin) - gram(y, origin) + gram(origin, origin);
       for (int k = dim() - 1; k > j; --k) {
         Level& level = levels_[k + 1];
-        value -= level.product(members_[k], a) / level.product(members_[k], members_[k]) *
-                 lambda_[k];
+        value -= level.product(members_[k], a) /
+                 level.product(members_[k], members_[k]) * lambda_[k];
       }
       lambda_[j] = value;
     }
@@ -210,9 +210,9 @@ class EnclosingSimplex {
   int dim_;
   Index count_ = 0;
   const RowMatrix* gram_ = nullptr;
-  std::vector<Level> levels_;    // [j]: candidates once members j, .., K are fixed
-  std::vector<Index> members_;   // ranks, ascending
-  std::vector<double> lambda_;   // barycentric coordinates of members 0 .. K-1
+  std::vector<Level> levels_;   // [j]: candidates once members j, .., K are fixed
+  std::vector<Index> members_;  // ranks, ascending
+  std::vector<double> lambda_;  // barycentric coordinates of members 0 .. K-1
 };
 
 }  // namespace remanifold::detail

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "detail/local_coordinates.hpp"
 
-#include <cmath>
-
 #include "detail/tolerance.hpp"
+
+#include <cmath>
 
 namespace remanifold::detail {
 namespace {

@@ -4,15 +4,16 @@
 // Cholesky decomposition of their m x m Gram matrix. What follows never sees D.
 #pragma once
 
-#include <vector>
+#include "remanifold/samples.hpp"
 
 #include <Eigen/Core>
 
-#include "remanifold/samples.hpp"
+#include <vector>
 
 namespace remanifold::detail {
 
-using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using RowMatrix =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 class LocalCoordinates {
  public:

@@ -2,10 +2,10 @@
 // What a nearest-neighbor search has to provide; one implementation a file.
 #pragma once
 
+#include "remanifold/neighborhoods.hpp"
+
 #include <algorithm>
 #include <memory>
-
-#include "remanifold/neighborhoods.hpp"
 
 namespace remanifold {
 
@@ -19,7 +19,8 @@ class NeighborSearch::Implementation {
 namespace detail {
 
 /// Exact search by comparing with every sample.
-std::unique_ptr<NeighborSearch::Implementation> make_brute_force(const Samples& samples);
+std::unique_ptr<NeighborSearch::Implementation> make_brute_force(
+    const Samples& samples);
 
 /// Orders neighbors by squared distance, then by input number.
 class NeighborOrder {

@@ -3,9 +3,8 @@
 // size, each writing its own slots. Cancellation is looked at once a block.
 #pragma once
 
-#include <algorithm>
-#include <chrono>
-#include <optional>
+#include "remanifold/execution.hpp"
+#include "remanifold/types.hpp"
 
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
@@ -15,8 +14,9 @@
 #include <tbb/partitioner.h>
 #include <tbb/task_arena.h>
 
-#include "remanifold/execution.hpp"
-#include "remanifold/types.hpp"
+#include <algorithm>
+#include <chrono>
+#include <optional>
 
 namespace remanifold::detail {
 
