@@ -57,8 +57,12 @@ Csr transpose(const Csr& csr) {
 /// Extends a clique by the common neighbors that follow its last vertex.
 class CliqueExpansion {
  public:
-  CliqueExpansion(const Csr& graph, int arity)
-      : graph_(graph), arity_(arity), clique_(arity), candidates_(arity) {}
+  CliqueExpansion(const Csr& graph, int arity, const Execution& execution)
+      : graph_(graph),
+        arity_(arity),
+        execution_(execution),
+        clique_(arity),
+        candidates_(arity) {}
 
   void expand_from(Index vertex, std::vector<Index>& out) {
     clique_[0] = vertex;
@@ -69,6 +73,7 @@ class CliqueExpansion {
 
  private:
   void extend(int size, std::vector<Index>& out) {
+    execution_.poll();
     const std::vector<Index>& candidates = candidates_[size - 1];
     if (static_cast<int>(candidates.size()) < arity_ - size) {
       return;
@@ -90,6 +95,7 @@ class CliqueExpansion {
 
   const Csr& graph_;
   int arity_;
+  const Execution& execution_;
   std::vector<Index> clique_;
   std::vector<std::vector<Index>>
       candidates_;  // [size - 1]: may follow the first `size`
@@ -145,12 +151,14 @@ SimplexArray clique_complex(const Csr& graph, int dim, const Execution& executio
                                 ", expected at least 1");
   }
   const Offset n = graph.rows();
+  if (dim >= n) {
+    return {dim + 1, {}};
+  }
   detail::begin_step(execution, Step::kComplex, n);
   std::vector<std::vector<Index>> blocks((n + kBlock - 1) / kBlock);
   detail::for_each_block(n, kBlock, execution, [&](Offset begin, Offset end) {
-    CliqueExpansion expansion(graph, dim + 1);
+    CliqueExpansion expansion(graph, dim + 1, execution);
     for (Offset i = begin; i < end; ++i) {
-      execution.poll();
       expansion.expand_from(static_cast<Index>(i), blocks[begin / kBlock]);
     }
   });

@@ -147,7 +147,7 @@ def check_index_array(
     values: ArrayLike, name: str, dtype: type[np.signedinteger[Any]]
 ) -> NDArray[Any]:
     """One-dimensional integers that fit the dtype."""
-    array = np.asarray(values)
+    array = _as_array(values, name)
     if array.size == 0:
         array = array.astype(dtype)
     if array.ndim != 1 or not np.issubdtype(array.dtype, np.integer):
@@ -211,7 +211,7 @@ def check_bases(
         raise ValueError(msg)
     missing = np.isnan(array).any(axis=(1, 2))
     if boundary is not None:
-        marked = np.asarray(boundary)
+        marked = _as_array(boundary, "boundary")
         if marked.shape != (num_samples,) or marked.dtype != np.bool_:
             msg = (
                 f"boundary must be a bool array of shape ({num_samples},), got shape "
@@ -220,7 +220,9 @@ def check_bases(
             raise ValueError(msg)
         missing = missing | marked
     kept = array[~missing]
-    defect = kept @ kept.transpose(0, 2, 1) - np.eye(array.shape[1])
+    # Far too long rows must not overflow before they are refused.
+    clipped = np.clip(kept, -2, 2)
+    defect = clipped @ clipped.transpose(0, 2, 1) - np.eye(array.shape[1])
     size = np.abs(defect).max(axis=(1, 2), initial=0.0)
     bad = ~(size < 1e-6)
     if bad.any():
@@ -250,8 +252,11 @@ def _as_float(values: Any, name: str) -> NDArray[np.float64]:
         except (TypeError, ValueError):
             msg = f"{name} must hold numbers, got {type(values).__name__} of objects"
             raise TypeError(msg) from None
+        except OverflowError:
+            msg = f"{name} has an integer that no float64 can hold"
+            raise OverflowError(msg) from None
     if array.dtype.kind == "c":
-        return array.astype(np.complex128, copy=False).view(np.float64)
+        return np.ascontiguousarray(array, dtype=np.complex128).view(np.float64)
     if array.dtype.kind not in "biuf":
         msg = f"{name} must hold numbers, got dtype {array.dtype}"
         raise TypeError(msg)
@@ -262,6 +267,7 @@ def _real_matrix(
     values: ArrayLike | None, name: str, *, square: bool = False
 ) -> NDArray[np.float64]:
     raw = _as_array(values, name)
+    is_complex = raw.dtype.kind == "c"
     if raw.ndim == 2 and raw.dtype.kind == "c":
         # The real part of the Hermitian product is the product of R^(2 D).
         raw = np.ascontiguousarray(raw)
@@ -289,9 +295,10 @@ def _real_matrix(
     finite = np.isfinite(array)
     if not finite.all():
         row, column = (int(i) for i in np.argwhere(~finite)[0])
-        msg = (
-            f"{name}[{row}, {column}] is {array[row, column]}; remove or repair such "
-            "samples first"
-        )
+        value = array[row, column]
+        if is_complex and not square:
+            column //= 2
+            value = raw[row, column]
+        msg = f"{name}[{row}, {column}] is {value}; remove or repair such samples first"
         raise ValueError(msg)
     return np.ascontiguousarray(array)

@@ -28,23 +28,14 @@ from remanifold.steps import (
     Stars,
     warn_of_recall,
 )
-from remanifold.topology import Topology, topology_of
+from remanifold.topology import Topology, freeze, topology_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from numpy.typing import ArrayLike, NDArray
 
     from remanifold._progress import Callback
 
 METHODS = ("paper",)
-
-
-def freeze(values: Iterable[Any]) -> None:
-    """Make the arrays among the values read-only."""
-    for value in values:
-        if isinstance(value, np.ndarray):
-            value.flags.writeable = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,6 +77,10 @@ class Repair:
 
     def __post_init__(self) -> None:
         freeze(vars(self).values())
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        self.__post_init__()
 
     @property
     def num_callouses(self) -> int:

@@ -278,7 +278,12 @@ def edge_sets(
 ) -> EdgeSets:
     """Edge set of every sample: the samples whose bisectors bound its local region.
 
-    Parameters are those of `local_regions`, which also gives the stars.
+    `local_regions` also gives the stars.
+
+    Parameters
+    ----------
+    points, bases, boundary, search, num_threads, progress
+        As in `local_regions`.
 
     Returns
     -------

@@ -14,9 +14,18 @@ from remanifold._progress import progress_callback
 from remanifold._validation import check_int, check_num_threads, check_simplices
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from numpy.typing import ArrayLike, NDArray
 
     from remanifold._progress import Callback
+
+
+def freeze(values: Iterable[Any]) -> None:
+    """Make the arrays among the values read-only."""
+    for value in values:
+        if isinstance(value, np.ndarray):
+            value.flags.writeable = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +67,13 @@ class Topology:
     singular_vertices: NDArray[np.int32] = field(repr=False)
     _simplices: NDArray[np.int32] = field(repr=False)
     _closed_patches: tuple[int, int] | None = field(repr=False)
+
+    def __post_init__(self) -> None:
+        freeze(vars(self).values())
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        self.__post_init__()
 
     @property
     def num_vertices(self) -> int:
@@ -192,6 +208,8 @@ def _singular_by_homology(
     """Add the vertices whose link lacks the homology of a sphere or a ball."""
     arity = simplices.shape[1]
     bad = set(known.tolist())
+    if len(simplices) == 0:
+        return known
     order = np.argsort(simplices, axis=None, kind="stable")
     vertices, starts = np.unique(simplices.ravel()[order], return_index=True)
     ends = np.append(starts[1:], len(order))
@@ -205,4 +223,6 @@ def _singular_by_homology(
             betti = _homology(tree, arity - 2, modulus)
             if betti[0] != 1 or any(betti[1:-1]) or betti[-1] > 1:
                 bad.add(int(vertex))
+        if arity >= 6 and len(_singular_by_homology(link, known[:0])):
+            bad.add(int(vertex))
     return np.array(sorted(bad), dtype=np.int32)

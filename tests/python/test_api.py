@@ -19,7 +19,6 @@ from scipy.spatial.distance import cdist
 
 import remanifold as rm
 
-BUG = pytest.mark.xfail(reason="to be fixed")
 
 SEARCHES = ("auto", "kdtree", "brute_force")
 STEPS = ("neighborhoods", "tangent_spaces", "local_regions", "complex")
@@ -320,7 +319,7 @@ def test_layout_of_products_makes_no_difference(kind, layout):
     [
         *(name for name in LAYOUTS if "int" not in name and "matrix" not in name),
         *("complex128", "complex64", "complex_lists"),
-        *(pytest.param(f"complex_{name}", marks=BUG) for name in ("fortran", "gaps")),
+        *(f"complex_{name}" for name in ("fortran", "gaps")),
     ],
 )
 def test_layout_of_bases_makes_no_difference(layout):
@@ -400,7 +399,6 @@ def test_copies_are_read_only(duplicate):
 
 
 @pytest.mark.parametrize("duplicate", [copy.deepcopy, pickled])
-@BUG
 def test_copies_of_reports_are_read_only(duplicate):
     assert not writeable(duplicate(rm.reconstruct(sample(1), 1).repair))
 
@@ -651,8 +649,7 @@ def public_functions():
         for name in module.__all__:
             value = getattr(module, name)
             if inspect.isfunction(value):
-                marks = BUG if value is rm.edge_sets else ()
-                yield pytest.param(value, id=f"{module.__name__}.{name}", marks=marks)
+                yield pytest.param(value, id=f"{module.__name__}.{name}")
 
 
 @pytest.mark.parametrize("function", [*public_functions()])

@@ -12,7 +12,6 @@ from scipy.sparse.csgraph import connected_components
 
 import remanifold as rm
 
-BUG = pytest.mark.xfail(reason="to be fixed")
 
 # --- Complexes: sets of simplices, which are sets of vertices of any kind ---------
 
@@ -331,10 +330,7 @@ SINGULAR = {  # vertices, Betti numbers over Z2, cofaces of facets, orientable
 
 @pytest.mark.parametrize(
     "name",
-    [
-        pytest.param(name, marks=BUG if name == "prism_over_a_cone" else ())
-        for name in SINGULAR
-    ],
+    [name for name in SINGULAR],
 )
 def test_singular_vertices_are_named(name):
     simplices, singular, betti, cofaces = SINGULAR[name]
@@ -349,7 +345,7 @@ def test_singular_vertices_are_named(name):
     assert topology.orientable == (max(cofaces) <= 2 and "plane" not in name)
 
 
-@pytest.mark.parametrize("dim", [1, 2, 3, pytest.param(4, marks=BUG)])
+@pytest.mark.parametrize("dim", [1, 2, 3, 4])
 def test_empty_complex(dim):
     topology = rm.compute_topology(np.empty((0, dim + 1), np.int32), 5)
     assert topology.num_simplices == topology.betti_numbers == (0,) * (dim + 1)
