@@ -19,7 +19,6 @@ from scipy.spatial.distance import cdist
 
 import remanifold as rm
 
-
 SEARCHES = ("auto", "kdtree", "brute_force")
 STEPS = ("neighborhoods", "tangent_spaces", "local_regions", "complex")
 

@@ -95,7 +95,7 @@ MATRICES = [
     ("generator", (row for row in POINTS), TypeError, "must hold numbers"),
     ("dates", np.zeros((4, 2), "M8[s]"), TypeError, "must hold numbers"),
     ("records", np.zeros(4, [("x", float)]), TypeError, "must hold numbers"),
-    ("huge_int", [[10**400, 1], [2, 3]], (OverflowError, ValueError), ""),
+    ("huge_int", [[10**400, 1], [2, 3]], OverflowError, "no float64 can hold"),
 ]
 SQUARES = [
     *MATRICES,
@@ -386,7 +386,7 @@ def test_broken_rows(offsets, indices, error, says):
     ],
 )
 def test_ragged(function, argument):
-    refused(function, argument, [[0], [1, 2]], ValueError, "")
+    refused(function, argument, [[0], [1, 2]], ValueError, "not rectangular")
 
 
 def test_far_too_large_cliques():

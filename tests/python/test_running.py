@@ -17,7 +17,6 @@ from scipy.spatial.distance import cdist
 
 import remanifold as rm
 
-
 STEPS = ["prepare", "neighborhoods", "tangent_spaces", "local_regions", "complex"]
 PROMPTLY = 5.0  # seconds, though a tenth is usual: the machine may be busy
 

@@ -12,7 +12,6 @@ from scipy.sparse.csgraph import connected_components
 
 import remanifold as rm
 
-
 # --- Complexes: sets of simplices, which are sets of vertices of any kind ---------
 
 
@@ -330,7 +329,7 @@ SINGULAR = {  # vertices, Betti numbers over Z2, cofaces of facets, orientable
 
 @pytest.mark.parametrize(
     "name",
-    [name for name in SINGULAR],
+    list(SINGULAR),
 )
 def test_singular_vertices_are_named(name):
     simplices, singular, betti, cofaces = SINGULAR[name]
