@@ -11,6 +11,7 @@ import numpy as np
 
 from remanifold import _core
 from remanifold._progress import progress_callback
+from remanifold._read_only import ReadOnlyArrays
 from remanifold._validation import (
     check_choice,
     check_dim,
@@ -28,7 +29,7 @@ from remanifold.steps import (
     Stars,
     warn_of_recall,
 )
-from remanifold.topology import Topology, freeze, topology_of
+from remanifold.topology import Topology, topology_of
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -39,7 +40,7 @@ METHODS = ("paper",)
 
 
 @dataclass(frozen=True, eq=False)
-class Repair:
+class Repair(ReadOnlyArrays):
     """What the result lacks or has too much of.
 
     The paper's method repairs nothing; this says what it leaves.
@@ -75,13 +76,6 @@ class Repair:
     unused_vertices: NDArray[np.int32]
     merged_samples: int
 
-    def __post_init__(self) -> None:
-        freeze(vars(self).values())
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        vars(self).update(state)
-        self.__post_init__()
-
     @property
     def num_callouses(self) -> int:
         """Faces in more than two simplices, and cliques in no star."""
@@ -89,7 +83,7 @@ class Repair:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Reconstruction:
+class Reconstruction(ReadOnlyArrays):
     """A reconstructed manifold and the intermediate results. Arrays are read-only.
 
     Attributes
@@ -146,13 +140,6 @@ class Reconstruction:
     num_neighbors: int
     recall: float
     timings: dict[str, float]
-
-    def __post_init__(self) -> None:
-        freeze((*vars(self).values(), *self.edge_sets, *self.stars))
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        vars(self).update(state)
-        self.__post_init__()
 
     def __repr__(self) -> str:
         ambient = (

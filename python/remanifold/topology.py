@@ -11,25 +11,17 @@ import numpy as np
 
 from remanifold import _core
 from remanifold._progress import progress_callback
+from remanifold._read_only import ReadOnlyArrays
 from remanifold._validation import check_int, check_num_threads, check_simplices
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from numpy.typing import ArrayLike, NDArray
 
     from remanifold._progress import Callback
 
 
-def freeze(values: Iterable[Any]) -> None:
-    """Make the arrays among the values read-only."""
-    for value in values:
-        if isinstance(value, np.ndarray):
-            value.flags.writeable = False
-
-
 @dataclass(frozen=True, eq=False)
-class Topology:
+class Topology(ReadOnlyArrays):
     """Topology of a pure K-dimensional complex.
 
     Attributes
@@ -67,13 +59,6 @@ class Topology:
     singular_vertices: NDArray[np.int32] = field(repr=False)
     _simplices: NDArray[np.int32] = field(repr=False)
     _closed_patches: tuple[int, int] | None = field(repr=False)
-
-    def __post_init__(self) -> None:
-        freeze(vars(self).values())
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        vars(self).update(state)
-        self.__post_init__()
 
     @property
     def num_vertices(self) -> int:
