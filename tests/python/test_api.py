@@ -246,6 +246,15 @@ def test_arguments_stay_as_they_are(kind):
     np.testing.assert_array_equal(matrix, before)
 
 
+@pytest.mark.xfail(reason="the simplices of the caller become read-only")
+def test_simplices_stay_as_they_are():
+    simplices = np.array([[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]], dtype=np.int32)
+    topology = rm.compute_topology(simplices, 4)
+    assert simplices.flags.writeable
+    simplices[:] = 0
+    assert topology.betti_numbers == (1, 0, 1)
+
+
 def with_gaps(array):
     wide = np.full(tuple(2 * n for n in array.shape), np.nan, dtype=array.dtype)
     gaps = wide[tuple(slice(None, None, 2) for _ in array.shape)]
@@ -317,8 +326,7 @@ def test_layout_of_products_makes_no_difference(kind, layout):
     "layout",
     [
         *(name for name in LAYOUTS if "int" not in name and "matrix" not in name),
-        *("complex128", "complex64", "complex_lists"),
-        *(f"complex_{name}" for name in ("fortran", "gaps")),
+        *COMPLEX_LAYOUTS,
     ],
 )
 def test_layout_of_bases_makes_no_difference(layout):

@@ -16,7 +16,6 @@ DISTANCES = cdist(POINTS, POINTS)
 FRAMES = np.broadcast_to(np.eye(2, 3), (30, 2, 3))
 TRIANGLE = np.array([[0, 1, 2]], dtype=np.int32)
 
-
 # Arguments that are right, of every public function.
 RIGHT = {
     rm.reconstruct: {"points": POINTS, "dim": 2},
@@ -59,12 +58,11 @@ def table(cases):
         pytest.param(
             *(function, argument, value, error, says),
             id=f"{function.__name__}-{argument}-{label}",
-            marks=marks,
         )
         for argument, rows in cases.items()
         for function in RIGHT
         if takes(function, argument)
-        for label, value, error, says, *marks in rows
+        for label, value, error, says in rows
     ]
 
 

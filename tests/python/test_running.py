@@ -33,7 +33,7 @@ KINDS = {
     "curve": (1, sphere(1500, 1, 3)),
     "surface": (2, sphere(1500, 2, 3)),
     "solid": (3, np.random.default_rng(0).uniform(size=(700, 3))),
-    "dim4": (4, sphere(300, 4, 5)),
+    "dim4": (4, sphere(200, 4, 5)),
     "in_R60": (2, sphere(1500, 2, 60)),
 }
 
@@ -123,7 +123,7 @@ def large():
 
 @cache
 def dense_graph():
-    linked = np.triu(np.random.default_rng(0).uniform(size=(2500, 2500)) < 0.1, 1)
+    linked = np.triu(np.random.default_rng(0).uniform(size=(2500, 2500)) < 0.08, 1)
     linked |= linked.T
     return np.cumsum([0, *linked.sum(axis=1)]), np.nonzero(linked)[1]
 
@@ -237,6 +237,14 @@ def regions_of_dim_6():
 
 
 @cache
+def long_regions_of_dim_6():
+    rng = np.random.default_rng(0)
+    frames = np.linalg.qr(rng.normal(size=(300, 20, 6)))[0].transpose(0, 2, 1)
+    points = rng.normal(size=(300, 20))
+    return lambda **o: rm.local_regions(points, frames, **o)
+
+
+@cache
 def search_without_cliques():
     parts, size = 8, 20
     part = np.arange(parts * size) // size
@@ -252,6 +260,10 @@ LONG_RUNS = [
     many_products,
     dim_6,
     regions_of_dim_6,
+    pytest.param(
+        long_regions_of_dim_6,
+        marks=pytest.mark.xfail(reason="stops after half a minute", run=False),
+    ),
     search_without_cliques,
 ]
 

@@ -327,10 +327,7 @@ SINGULAR = {  # vertices, Betti numbers over Z2, cofaces of facets, orientable
 }
 
 
-@pytest.mark.parametrize(
-    "name",
-    list(SINGULAR),
-)
+@pytest.mark.parametrize("name", SINGULAR)
 def test_singular_vertices_are_named(name):
     simplices, singular, betti, cofaces = SINGULAR[name]
     rows, num_vertices, number = as_array(simplices)
