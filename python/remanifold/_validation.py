@@ -180,7 +180,8 @@ def check_simplices(simplices: ArrayLike) -> NDArray[np.int32]:
     if array.size and not -1 <= array.min() <= array.max() <= np.iinfo(np.int32).max:
         msg = "simplices has values that are no vertices"
         raise ValueError(msg)
-    result = np.ascontiguousarray(array, dtype=np.int32)
+    # A copy: results keep it, read-only.
+    result = np.array(array, dtype=np.int32, order="C")
     order = np.lexsort(result.T)
     same = (result[order[1:]] == result[order[:-1]]).all(axis=1)
     if same.any():
