@@ -239,29 +239,39 @@ def check_bases(
 
 def _as_array(values: Any, name: str) -> NDArray[Any]:
     try:
-        return np.asarray(values)
+        array = np.asarray(values)
     except ValueError:
         msg = f"{name} is not rectangular: its rows differ in length"
         raise ValueError(msg) from None
+    if isinstance(values, np.ma.MaskedArray) and array.dtype.names is None:
+        masked = np.argwhere(np.ma.getmaskarray(values))
+        if len(masked):
+            entry = f"{name}{masked[0].tolist() or ''}"
+            msg = f"{entry} is masked; fill or remove masked entries first"
+            raise ValueError(msg)
+    return array
 
 
 def _as_float(values: Any, name: str) -> NDArray[np.float64]:
+    """Wider floats beyond float64 become infinite, which is for the caller to refuse."""
     array = _as_array(values, name)
-    if array.dtype == object:
-        try:
-            array = array.astype(np.float64)
-        except (TypeError, ValueError):
-            msg = f"{name} must hold numbers, got {type(values).__name__} of objects"
-            raise TypeError(msg) from None
-        except OverflowError:
-            msg = f"{name} has an integer that no float64 can hold"
-            raise OverflowError(msg) from None
-    if array.dtype.kind == "c":
-        return np.ascontiguousarray(array, dtype=np.complex128).view(np.float64)
-    if array.dtype.kind not in "biuf":
-        msg = f"{name} must hold numbers, got dtype {array.dtype}"
-        raise TypeError(msg)
-    return array.astype(np.float64, copy=False)
+    with np.errstate(over="ignore"):
+        if array.dtype == object:
+            try:
+                array = array.astype(np.float64)
+            except (TypeError, ValueError):
+                kind = type(values).__name__
+                msg = f"{name} must hold numbers, got {kind} of objects"
+                raise TypeError(msg) from None
+            except OverflowError:
+                msg = f"{name} has an integer that no float64 can hold"
+                raise OverflowError(msg) from None
+        if array.dtype.kind == "c":
+            return np.ascontiguousarray(array, dtype=np.complex128).view(np.float64)
+        if array.dtype.kind not in "biuf":
+            msg = f"{name} must hold numbers, got dtype {array.dtype}"
+            raise TypeError(msg)
+        return array.astype(np.float64, copy=False)
 
 
 def _real_matrix(
@@ -269,15 +279,11 @@ def _real_matrix(
 ) -> NDArray[np.float64]:
     raw = _as_array(values, name)
     is_complex = raw.dtype.kind == "c"
-    if raw.ndim == 2 and raw.dtype.kind == "c":
-        # The real part of the Hermitian product is the product of R^(2 D).
-        raw = np.ascontiguousarray(raw)
-        if square and name == "distances":
-            msg = "distances must be real"
-            raise TypeError(msg)
-        if square:
-            raw = raw.real
-    array = _as_float(raw, name)
+    if is_complex and name == "distances":
+        msg = "distances must be real"
+        raise TypeError(msg)
+    # The real part of the Hermitian product is the product of R^(2 D).
+    array = _as_float(raw.real if is_complex and square else raw, name)
     if array.ndim != 2:
         msg = (
             f"{name} must be a two-dimensional array, one sample a row; got shape "
@@ -293,13 +299,45 @@ def _real_matrix(
     if array.shape[1] == 0:
         msg = f"{name} has no coordinates: its shape is {array.shape}"
         raise ValueError(msg)
-    finite = np.isfinite(array)
-    if not finite.all():
-        row, column = (int(i) for i in np.argwhere(~finite)[0])
-        value = array[row, column]
-        if is_complex and not square:
-            column //= 2
-            value = raw[row, column]
-        msg = f"{name}[{row}, {column}] is {value}; remove or repair such samples first"
-        raise ValueError(msg)
+    _check_finite(raw, array, name)
+    if is_complex and square:
+        _check_hermitian(raw, name)
     return np.ascontiguousarray(array)
+
+
+def _check_finite(raw: NDArray[Any], array: NDArray[np.float64], name: str) -> None:
+    """Refuse what is not finite as given or in double precision."""
+    finite = np.isfinite(array)
+    if raw.dtype.kind == "c":  # two columns a number, or the real parts only
+        finite = finite.reshape(*raw.shape, -1).all(axis=2) & np.isfinite(raw)
+    if finite.all():
+        return
+    row, column = (int(i) for i in np.argwhere(~finite)[0])
+    if raw.dtype.kind in "fc":
+        value = str(raw[row, column])
+        if np.isfinite(raw[row, column]):
+            value += ", infinite in double precision"
+    else:
+        value = str(array[row, column])
+    msg = f"{name}[{row}, {column}] is {value}; remove or repair such samples first"
+    raise ValueError(msg)
+
+
+def _check_hermitian(matrix: NDArray[Any], name: str) -> None:
+    """Imaginary parts opposite up to rounding of single precision.
+
+    The real parts are the core's to check.
+    """
+    with np.errstate(over="ignore"):
+        defect = np.abs(matrix.imag + matrix.imag.T)
+    bad = defect > 1e-6 * np.abs(np.diagonal(matrix.real)).max()
+    if bad.any():
+        i, j = (int(k) for k in np.argwhere(bad)[0])
+        expected = (
+            "real" if i == j else f"the conjugate of {name}[{j}, {i}], {matrix[j, i]}"
+        )
+        msg = (
+            f"{name} is not Hermitian: {name}[{i}, {j}] is {matrix[i, j]}, not "
+            f"{expected}"
+        )
+        raise ValueError(msg)

@@ -212,7 +212,7 @@ def reconstruct(
         The simplicial complex SC(X) of Freedman (2002).
     gram, distances : array_like, shape (N, N), optional
         Inner products or distances of the samples, instead of `points`. `gram` must be
-        positive semidefinite.
+        positive semidefinite, and Hermitian if complex.
     num_neighbors : int, optional
         Neighbors per sample for the tangent spaces (the paper's r K); 10 K by default.
     estimator : {"enclosure", "pca", "jet"}
@@ -235,8 +235,8 @@ def reconstruct(
     Raises
     ------
     ValueError
-        Samples empty, not finite, of the wrong shape or too few; `dim` out of range;
-        `gram` not positive semidefinite.
+        Samples empty, masked, not finite, of the wrong shape or too few; `dim` out of
+        range; `gram` not positive semidefinite or not Hermitian.
     TypeError
         Not numbers; `dim` not an integer.
 

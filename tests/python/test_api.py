@@ -281,6 +281,7 @@ LAYOUTS = {
     "gaps": with_gaps,
     "backwards": lambda a: np.ascontiguousarray(a[::-1])[::-1],
     "read_only": read_only,
+    "masked_nowhere": np.ma.array,
     "matrix_subclass": lambda a: a.view(np.matrix),
 }
 COMPLEX_LAYOUTS = {

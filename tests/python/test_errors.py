@@ -13,6 +13,7 @@ import remanifold as rm
 POINTS = np.random.default_rng(0).normal(size=(30, 3))
 GRAM = POINTS @ POINTS.T
 DISTANCES = cdist(POINTS, POINTS)
+COMPLEX = POINTS + 1j * POINTS[::-1]
 FRAMES = np.broadcast_to(np.eye(2, 3), (30, 2, 3))
 TRIANGLE = np.array([[0, 1, 2]], dtype=np.int32)
 
@@ -27,6 +28,12 @@ RIGHT = {
     rm.compute_topology: {"simplices": TRIANGLE, "num_vertices": 3},
 }
 WITH_APPROXIMATE_SEARCH = (rm.reconstruct, rm.neighborhoods)
+
+
+def masked(array, index):
+    array = np.ma.array(array)
+    array[index] = np.ma.masked
+    return array
 
 
 def takes(function, argument):
@@ -94,7 +101,25 @@ MATRICES = [
     ("dates", np.zeros((4, 2), "M8[s]"), TypeError, "must hold numbers"),
     ("records", np.zeros(4, [("x", float)]), TypeError, "must hold numbers"),
     ("huge_int", [[10**400, 1], [2, 3]], OverflowError, "no float64 can hold"),
+    ("masked", masked(np.eye(4), (3, 1)), ValueError, r"\[3, 1\] is masked"),
 ]
+
+
+def beyond_double(name, array):
+    """Of the type as wide as 80 bits, where the platform has one."""
+    wide = np.result_type(array, np.longdouble)
+    if np.finfo(wide).max <= np.finfo(float).max:
+        return []
+    huge = put(array.astype(wide), (2, 1), np.longdouble("1e4000"))
+    says = rf"{name}\[2, 1\] is .*1e\+4000.*, infinite in double precision"
+    short = rf"{name}\[2, 1\] is inf"
+    objects = [("objects_beyond", huge.astype(object), ValueError, short)]
+    return [
+        (f"{wide}", huge, ValueError, says),
+        *(objects if wide.kind == "f" else []),
+    ]
+
+
 SQUARES = [
     *MATRICES,
     ("no_samples", np.empty((0, 0)), ValueError, "is empty"),
@@ -116,6 +141,8 @@ SAMPLES = {
             ValueError,
             r"points\[4, 1\]",
         ),
+        *beyond_double("points", POINTS),
+        *beyond_double("points", POINTS + 0j),
     ],
     "gram": [
         *SQUARES,
@@ -131,7 +158,27 @@ SAMPLES = {
         ("negative", -GRAM, ValueError, "not positive semidefinite"),
         ("distances", DISTANCES, ValueError, "smallest eigenvalue.*distances="),
         ("complex_nan", put(GRAM + 0j, (3, 4), np.nan), ValueError, r"gram\[3, 4\] is"),
+        (
+            "complex_nan_aside",
+            put(GRAM + 0j, (3, 4), complex(1, np.nan)),
+            ValueError,
+            r"gram\[3, 4\] is \(1\+nanj\)",
+        ),
         ("complex_wide", np.ones((4, 5)) + 0j, ValueError, r"square.* \(4, 5\)"),
+        (
+            "not_hermitian",
+            put(put(GRAM + 0j, (3, 4), 2 + 1j), (4, 3), 2 + 1j),
+            ValueError,
+            r"not Hermitian: gram\[3, 4\] is \(2\+1j\), not the conj.* gram\[4, 3\], \(2",
+        ),
+        (
+            "complex_diagonal",
+            put(GRAM + 0j, (5, 5), 9 + 1e-3j),
+            ValueError,
+            r"not Hermitian: gram\[5, 5\] is \(9\+0.001j\), not real$",
+        ),
+        ("holomorphic", COMPLEX @ COMPLEX.T, ValueError, r"Hermitian: gram\[0, 0\] is"),
+        *beyond_double("gram", GRAM),
     ],
     "distances": [
         *SQUARES,
@@ -147,6 +194,7 @@ SAMPLES = {
         ("negative", -DISTANCES, ValueError, r"\[1, 0\] is negative"),
         ("gram", GRAM, ValueError, r"\[0, 0\] is not zero"),
         ("complex", DISTANCES + 0j, TypeError, "must be real"),
+        *beyond_double("distances", DISTANCES),
     ],
 }
 
@@ -305,6 +353,7 @@ FRAME_CASES = {
         ("dim_4", np.ones((30, 4, 3)), ValueError, SHAPE),
         ("ragged", [[1, 2], [3]], ValueError, "rows differ in length"),
         ("text", "bases", TypeError, "must hold numbers"),
+        ("masked", masked(FRAMES, (7, 1, 2)), ValueError, r"\[7, 1, 2\] is masked"),
         ("objects", [[[object()]]], TypeError, "must hold numbers"),
         ("long", put(FRAMES, 7, 2 * FRAMES[7]), ValueError, r"\[7\] .* orthonormal"),
         ("zero", put(FRAMES, 0, 0), ValueError, r"\[0\] .* orthonormal"),
@@ -325,6 +374,7 @@ FRAME_CASES = {
         ("float", np.zeros(30), ValueError, "bool array .* dtype float64"),
         ("indices", [3, 4], ValueError, r"bool array of shape \(30,\)"),
         ("text", "none", ValueError, "bool array"),
+        ("masked", masked(np.zeros(30, bool), 4), ValueError, r"\[4\] is masked"),
     ],
 }
 
@@ -366,6 +416,8 @@ def test_bases_too_large_to_multiply(function, value):
         (2, [1, 0], ValueError, r"offsets must be a one-dim.* shape \(\)"),
         (None, [1, 0], ValueError, "offsets must .* integer .* object"),
         ([0, 1, 2], None, ValueError, "indices must .* integer .* object"),
+        (masked([0, 1, 2], 1), [1, 0], ValueError, r"offsets\[1\] is masked"),
+        ([0, 1, 2], masked([1, 0], 0), ValueError, r"indices\[0\] is masked"),
         ("012", [1, 0], ValueError, "offsets must .* integer"),
     ],
 )
@@ -416,6 +468,7 @@ def test_impossible_simplices(simplices, num_vertices, says):
         ("simplices", None, (TypeError, ValueError)),
         ("simplices", TRIANGLE + 0.5, (TypeError, ValueError)),
         ("simplices", [[0, 1], [2]], ValueError),
+        ("simplices", masked(TRIANGLE, (0, 2)), ValueError),
         ("simplices", np.vstack([TRIANGLE, TRIANGLE]), ValueError),  # twice the same
         ("num_vertices", 10**30, ValueError),
         ("num_vertices", 3.0, TypeError),
