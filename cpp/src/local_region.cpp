@@ -20,7 +20,8 @@ namespace {
 
 using detail::ConvexHull;
 
-constexpr Offset kBlock = 128;
+/// Samples of one task; fewer where each may take seconds.
+constexpr Offset block_size(int dim) { return dim < 4 ? 128 : dim == 4 ? 32 : 1; }
 /// Samples whose coordinates are read together.
 constexpr Offset kGroup = 32;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -289,6 +290,7 @@ class RegionKernel {
     if (is_redundant(normal, offset)) {
       return;
     }
+    execution_.poll();  // in high dimensions a hull takes seconds
     const Vector dual = normal / offset;
     hull_->insert(dual.data(), static_cast<Index>(halfspaces_.size()));
     halfspaces_.push_back({normal, offset, q});
@@ -321,6 +323,7 @@ class RegionKernel {
     bool bounded = true;
     const auto num_ids = static_cast<Offset>(hull_->facets().size());
     for (Offset first = 0; first < num_ids; first += dim()) {
+      execution_.poll();
       const Index* facet = hull_->facets().data() + first;
       corners_.push_back(corner_of(facet));
       if (corners_.back().flat ||
@@ -414,6 +417,7 @@ class RegionKernel {
     do {
       update();
       for (std::size_t c = 0; c < corners_.size(); ++c) {
+        execution_.poll();
         const Index* facet = hull_->facets().data() + c * dim();
         if (is_certified(facet)) {
           continue;
@@ -442,7 +446,6 @@ class RegionKernel {
 
   /// Adds samples nearer to the corner than x until one is new or none is left.
   bool cut_corner(const Corner& corner) {
-    execution_.poll();
     const int ambient_dim = samples_.ambient_dim();
     if (!samples_.has_points()) {
       return false;
@@ -580,17 +583,19 @@ void compute_all(const Samples& samples, const NeighborSearch& search,
     return Kernel(samples, search, neighborhoods, tangents, weights, execution);
   });
   const Offset n = samples.size();
-  std::vector<Block> blocks((n + kBlock - 1) / kBlock);
+  const Offset block_length = block_size(result.dim);
+  std::vector<Block> blocks((n + block_length - 1) / block_length);
   std::vector<Offset>& edge_counts = result.edge_sets.offsets;
   std::vector<Offset>& star_counts = result.star_offsets;
   edge_counts.assign(n + 1, 0);
   star_counts.assign(n + 1, 0);
   result.squared_radii.assign(n, std::numeric_limits<double>::quiet_NaN());
 
-  detail::for_each_block(n, kBlock, execution, [&](Offset begin, Offset end) {
+  detail::for_each_block(n, block_length, execution, [&](Offset begin, Offset end) {
     Kernel& kernel = kernels.local();
-    Block& block = blocks[begin / kBlock];
+    Block& block = blocks[begin / block_length];
     for (Offset i = begin; i < end; ++i) {
+      execution.poll();
       if ((i - begin) % kGroup == 0) {
         kernel.read_ahead(static_cast<Index>(i),
                           static_cast<Index>(std::min(end, i + kGroup)));

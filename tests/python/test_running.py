@@ -260,10 +260,7 @@ LONG_RUNS = [
     many_products,
     dim_6,
     regions_of_dim_6,
-    pytest.param(
-        long_regions_of_dim_6,
-        marks=pytest.mark.xfail(reason="stops after half a minute", run=False),
-    ),
+    long_regions_of_dim_6,
     search_without_cliques,
 ]
 
