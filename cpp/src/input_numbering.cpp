@@ -51,10 +51,9 @@ Csr edge_sets_to_input(const Samples& samples, const LocalRegions& regions,
                        const Execution& execution) {
   const Csr& csr = regions.edge_sets;
   Csr result;
-  detail::begin_step(execution, Step::kComplex, samples.size());
   result.offsets = row_offsets(samples, csr.offsets);
   result.indices.resize(csr.indices.size());
-  detail::for_each_block(
+  detail::for_each_block_uncounted(
       samples.size(), kBlock, execution, [&](Offset begin, Offset end) {
         for (Offset i = begin; i < end; ++i) {
           Index* row = result.indices.data() +
@@ -71,10 +70,9 @@ Csr stars_to_input(const Samples& samples, const LocalRegions& regions,
                    const Execution& execution) {
   const int dim = regions.dim;
   Csr result;
-  detail::begin_step(execution, Step::kComplex, samples.size());
   result.offsets = row_offsets(samples, regions.star_offsets);
   result.indices.resize(result.offsets.back() * (dim + 1));
-  detail::for_each_block(
+  detail::for_each_block_uncounted(
       samples.size(), kBlock, execution, [&](Offset begin, Offset end) {
         std::vector<Index> rows;
         std::vector<const Index*> order;

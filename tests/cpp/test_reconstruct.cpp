@@ -133,6 +133,34 @@ TEST(PaperReport, RimsAreNoHoles) {
   EXPECT_EQ(report.num_boundary_components, 1);
 }
 
+TEST(Reconstruct, CountsEachStepOnce) {
+  const Cloud cloud = testing::sphere(2000, 2, 3);
+  Progress progress;
+  const Execution execution{2, &progress};
+  const Samples samples = Samples::from_points(cloud.view(), execution);
+  const auto expect_end_of = [&](Step step) {
+    EXPECT_EQ(progress.step, step);
+    EXPECT_EQ(progress.total, samples.size());
+    EXPECT_EQ(progress.done, progress.total);
+  };
+  const NeighborSearch search(samples, {}, execution);
+  const Neighborhoods neighborhoods =
+      find_neighborhoods(samples, search, 20, execution);
+  expect_end_of(Step::kNeighborhoods);
+  const TangentSpaces tangents =
+      compute_tangent_spaces(samples, neighborhoods, {2}, execution);
+  expect_end_of(Step::kTangentSpaces);
+  const LocalRegions regions =
+      compute_local_regions(samples, search, neighborhoods, tangents, execution);
+  expect_end_of(Step::kLocalRegions);
+  const Csr edge_sets = edge_sets_to_input(samples, regions, execution);
+  stars_to_input(samples, regions, execution);
+  const Csr graph = edge_graph(edge_sets, EdgeRule::kMutual, execution);
+  expect_end_of(Step::kLocalRegions);  // its results in the caller's numbering
+  clique_complex(graph, 2, execution);
+  expect_end_of(Step::kComplex);
+}
+
 TEST(Reconstruct, StopsWhenCancelled) {
   const Cloud cloud = testing::sphere(2000, 2, 3);
   const Samples samples = Samples::from_points(cloud.view());

@@ -20,19 +20,15 @@
 
 namespace remanifold::detail {
 
-/// body(begin, end) on consecutive blocks that cover [0, count).
+/// body(begin, end) on consecutive blocks that cover [0, count), beside the progress.
 template <class Body>
-void for_each_block(Offset count, Offset block, const Execution& execution,
-                    const Body& body) {
+void for_each_block_uncounted(Offset count, Offset block, const Execution& execution,
+                              const Body& body) {
   const Offset num_blocks = (count + block - 1) / block;
   const auto run = [&](Offset b) {
     execution.poll();
     const Offset begin = b * block;
-    const Offset end = std::min(count, begin + block);
-    body(begin, end);
-    if (execution.progress != nullptr) {
-      execution.progress->done.fetch_add(end - begin, std::memory_order_relaxed);
-    }
+    body(begin, std::min(count, begin + block));
   };
   if (execution.num_threads == 1 || num_blocks <= 1) {
     for (Offset b = 0; b < num_blocks; ++b) {
@@ -56,6 +52,18 @@ void for_each_block(Offset count, Offset block, const Execution& execution,
           }
         },
         tbb::simple_partitioner());
+  });
+}
+
+/// The same, and counts towards the step that has begun.
+template <class Body>
+void for_each_block(Offset count, Offset block, const Execution& execution,
+                    const Body& body) {
+  for_each_block_uncounted(count, block, execution, [&](Offset begin, Offset end) {
+    body(begin, end);
+    if (execution.progress != nullptr) {
+      execution.progress->done.fetch_add(end - begin, std::memory_order_relaxed);
+    }
   });
 }
 
