@@ -220,8 +220,9 @@ bool is_path_or_cycle(const SimplexArray& graph) {
   return tree_edges + 1 == ends.size();
 }
 
-/// Whether a link is a sphere or a ball. Decisive up to dimension 2; above, closed
-/// manifolds with the Euler characteristic of a sphere pass.
+/// Whether a link is a sphere or a ball. Decisive up to dimension 2; above, every
+/// connected manifold passes whose Euler characteristic is that of a sphere, or of a ball
+/// where it has a boundary.
 bool is_sphere_or_ball(const SimplexArray& link) {
   const int dim = link.arity - 1;
   if (dim == 0) {

@@ -35,8 +35,8 @@ class Topology(ReadOnlyArrays):
     euler_characteristic : int
         Alternating sum of `num_simplices`.
     manifold : bool
-        Every vertex link is a sphere or a ball. For K >= 4 links are held to be spheres
-        and balls by their homology and that of their own links.
+        Every vertex link is a sphere or a ball; for K >= 4 as far as the conditions of
+        `compute_topology` tell.
     closed : bool
         Every (K-1)-face has exactly two cofaces.
     orientable : bool
@@ -45,7 +45,8 @@ class Topology(ReadOnlyArrays):
     coface_counts : dict of int to int
         Number of (K-1)-faces by the number of K-simplices they lie in.
     singular_vertices : ndarray of int32
-        Vertices whose link is neither a sphere nor a ball.
+        Vertices whose link is neither a sphere nor a ball; for K >= 4 those that the
+        conditions of `compute_topology` find.
     """
 
     dim: int
@@ -111,6 +112,12 @@ def compute_topology(
     progress: bool | Callback | None = None,
 ) -> Topology:
     """Topology of the complex whose top simplices are the rows.
+
+    Exact for K <= 3. For K >= 4 a link counts as a sphere or a ball by conditions that
+    are necessary, not sufficient: it is a connected pseudomanifold with the Euler
+    characteristic of a sphere or a ball, its homology over Z2 and Z3 is that of one,
+    and the same holds for the links of its own vertices. `manifold` and
+    `singular_vertices` may then miss a singular vertex, but report none that is not.
 
     Parameters
     ----------

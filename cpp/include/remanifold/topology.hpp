@@ -40,8 +40,10 @@ struct Topology {
   /// over other fields.
   Index closed_patches = 0;
   Index closed_orientable_patches = 0;
-  /// Vertices whose link is neither a sphere nor a ball (K <= 3); for K > 3 those whose
-  /// link is not even a connected pseudomanifold with the Euler characteristic of one.
+  /// Vertices whose link is neither a sphere nor a ball. Exact for K <= 3. For K > 3 only
+  /// those found by conditions that are necessary: the link is a connected pseudomanifold,
+  /// has the Euler characteristic of a sphere or, where it has a boundary, of a ball, and
+  /// the links of its own vertices satisfy the same.
   std::vector<Index> singular_vertices;
 };
 
