@@ -7,9 +7,10 @@ in arc length, area or volume unless the generator says otherwise. ``random_stat
 follows the convention of :mod:`sklearn.datasets`: an int for a reproducible sample, a
 generator to draw from, None for fresh randomness.
 
-:data:`SHAPES` lists every generator with the topology of its manifold, and
-:data:`FIGURES` the examples of figures 3 to 9 of Freedman, *Efficient Simplicial
-Reconstructions of Manifolds from Their Samples*, IEEE TPAMI 24(10), 2002.
+:data:`SHAPES` lists every generator, some once more with other options, with the
+topology of its manifold, and :data:`FIGURES` the examples of figures 3 to 9 of Freedman,
+*Efficient Simplicial Reconstructions of Manifolds from Their Samples*, IEEE TPAMI
+24(10), 2002.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import combinations
 from typing import TypeAlias
 
@@ -31,13 +33,17 @@ __all__ = [
     "add_noise",
     "annulus",
     "ball",
+    "bent_ball",
     "circle",
     "closed_curve",
+    "concentric_spheres",
+    "double_torus",
     "ellipse",
     "embed",
     "figure_samples",
     "flat_torus",
     "fruit_bowl",
+    "grid_cylinder",
     "grid_torus",
     "interlocking_circles",
     "interlocking_tori",
@@ -49,6 +55,7 @@ __all__ = [
     "rotations",
     "sphere",
     "sphere_times_circle",
+    "sphere_times_sphere",
     "spherical_cap",
     "spiral",
     "spread",
@@ -354,6 +361,7 @@ def torus(
     *,
     major_radius: float = 1.0,
     minor_radius: float = 0.4,
+    spacing_ratio: float = 1.0,
     random_state: RandomState = None,
 ) -> FloatArray:
     """Sample a torus of revolution in space.
@@ -366,13 +374,17 @@ def torus(
         Distance from the axis to the center of the tube.
     minor_radius : float
         Radius of the tube, below ``major_radius``.
+    spacing_ratio : float
+        Largest over smallest spacing, at least 1; the density goes with its square.
+        The logarithm of the spacing is linear in cos u, u the angle around the axis.
     random_state : int, Generator, RandomState or None
         Source of randomness.
 
     Returns
     -------
     ndarray of shape (num_samples, 3)
-        Samples, uniform in area.
+        Samples, uniform in area where ``spacing_ratio`` is 1, else densest at the
+        largest x.
 
     References
     ----------
@@ -381,13 +393,111 @@ def torus(
     """
     rng, count = _generator(random_state), _count(num_samples)
     _check_radii(major_radius, minor_radius)
+    _check_spacing_ratio(spacing_ratio)
 
     def draw(n: int) -> tuple[FloatArray, FloatArray]:
         v = _angles(n, rng)
         return v[:, None], major_radius + minor_radius * np.cos(v)
 
+    def draw_around(n: int) -> tuple[FloatArray, FloatArray]:
+        u = _angles(n, rng)
+        density: FloatArray = np.power(spacing_ratio, np.cos(u) - 1)
+        return u[:, None], density
+
     v = _reject(draw, count, rng, major_radius + minor_radius)[:, 0]
-    return _torus_points(_angles(count, rng), v, major_radius, minor_radius)
+    if spacing_ratio == 1:
+        u = _angles(count, rng)
+    else:
+        u = _reject(draw_around, count, rng, 1.0)[:, 0]
+    return _torus_points(u, v, major_radius, minor_radius)
+
+
+def double_torus(
+    num_samples: int,
+    *,
+    thickness: float = 0.2,
+    length: float = 1.6,
+    spacing_ratio: float = 1.0,
+    random_state: RandomState = None,
+) -> FloatArray:
+    """Sample a smooth surface of genus 2 in space.
+
+    Parameters
+    ----------
+    num_samples : int
+        Number of samples.
+    thickness : float
+        Half the height of the surface, below 1/4, where its holes close.
+    length : float
+        Half the length of the figure eight that the surface surrounds; it is 1 wide.
+    spacing_ratio : float
+        Largest over smallest spacing, at least 1. The spacing is linear in x.
+    random_state : int, Generator, RandomState or None
+        Source of randomness.
+
+    Returns
+    -------
+    ndarray of shape (num_samples, 3)
+        Samples, uniform in area where ``spacing_ratio`` is 1, else densest at the
+        smallest x.
+
+    Notes
+    -----
+    (w^2 (1 - w^2) - y^2)^2 + z^2 = thickness^2 with w = x / length. For a thickness of 0
+    this is a figure eight with holes around x = ±length / sqrt(2). Samples are points
+    where random lines parallel to the axes meet the surface, which every line does in
+    closed form; kept with a chance of 1 over the sum of the normal's absolute
+    coordinates, they are uniform.
+    """
+    rng, count = _generator(random_state), _count(num_samples)
+    if not 0 < thickness < 0.25:
+        msg = f"thickness must be between 0 and 1/4, got {thickness}"
+        raise ValueError(msg)
+    _positive(length, "length")
+    _check_spacing_ratio(spacing_ratio)
+    extent = np.array(
+        [
+            length * np.sqrt((1 + np.sqrt(1 + 4 * thickness)) / 2),
+            np.sqrt(0.25 + thickness),
+            thickness,
+        ]
+    )
+    # A line along x meets the surface at most eight times, along y four, along z two.
+    chances = np.array([8, 4, 2]) / extent
+    chances /= chances.sum()
+
+    def meet(points: FloatArray, axes: NDArray[np.intp]) -> FloatArray:
+        """Move points along their axes to one of the places on the surface, or NaN."""
+        first, second, third = rng.choice([-1.0, 1.0], (3, len(points)))
+        x, y, z = points.T
+        level = first * np.sqrt(thickness**2 - z**2)  # of w^2 (1 - w^2) - y^2
+        squared = (1 + second * np.sqrt(1 - 4 * (y**2 + level))) / 2
+        eight = (x / length) ** 2 * (1 - (x / length) ** 2)
+        places = [
+            third * length * np.sqrt(squared),
+            second * np.sqrt(eight - level),
+            first * np.sqrt(thickness**2 - (eight - y**2) ** 2),
+        ]
+        moved: FloatArray = points.copy()
+        moved[np.arange(len(points)), axes] = np.choose(axes, places)
+        return moved
+
+    def draw(n: int) -> tuple[FloatArray, FloatArray]:
+        n *= 4  # most lines miss
+        axes = rng.choice(3, n, p=chances)
+        with np.errstate(invalid="ignore"):
+            points = meet(rng.uniform(-extent, extent, (n, 3)), axes)
+        points = points[~np.isnan(points).any(axis=1)]
+        w, y, z = (points / [length, 1.0, 1.0]).T
+        level = w**2 * (1 - w**2) - y**2
+        normal = np.stack(
+            [level * (2 * w - 4 * w**3) / length, -2 * y * level, z], axis=1
+        )
+        share = np.linalg.norm(normal, axis=1) / np.abs(normal).sum(axis=1)
+        along = (1 + points[:, 0] / extent[0]) / 2
+        return points, share / (1 + (spacing_ratio - 1) * along) ** 2
+
+    return _reject(draw, count, rng, 1.0)
 
 
 def grid_torus(
@@ -433,9 +543,7 @@ def grid_torus(
     rng, count = _generator(random_state), _count(num_samples)
     _check_radii(major_radius, minor_radius)
     rows = _at_least(num_around, 3, "num_around")
-    if count % rows:
-        msg = f"num_samples must be a multiple of num_around = {rows}, got {count}"
-        raise ValueError(msg)
+    _check_multiple(count, rows)
     i, j = np.divmod(np.arange(count), count // rows)
     shift = 0.5 * (j % 2) if staggered else 0.0
     displacement = jitter * rng.standard_normal((2, count))
@@ -572,6 +680,52 @@ def interlocking_tori(
         for n in counts
     )
     return _interlock(first, second, major_radius)
+
+
+def concentric_spheres(
+    num_samples: int,
+    *,
+    spacings: float = 3.0,
+    radius: float = 1.0,
+    random_state: RandomState = None,
+) -> FloatArray:
+    """Sample two concentric spheres that are few spacings apart.
+
+    Parameters
+    ----------
+    num_samples : int
+        Number of samples on both together, above 4 pi ``spacings``^2.
+    spacings : float
+        Distance between the spheres in units of the mean spacing, the square root of
+        the area per sample; that is twice the mean distance to the nearest neighbor.
+    radius : float
+        Radius of the outer sphere.
+    random_state : int, Generator, RandomState or None
+        Source of randomness.
+
+    Returns
+    -------
+    ndarray of shape (num_samples, 3)
+        Samples, uniform in area, the inner sphere first.
+    """
+    rng, count = _generator(random_state), _count(num_samples)
+    # distance^2 = share (1 + (1 - distance)^2) on an outer sphere of radius 1
+    share = 4 * np.pi * _positive(spacings, "spacings") ** 2 / count
+    if share >= 1:
+        msg = (
+            f"num_samples must be above 4 pi spacings^2 = {share * count:.0f}, "
+            f"got {count}"
+        )
+        raise ValueError(msg)
+    inner = 1 - (np.sqrt(share * (2 - share)) - share) / (1 - share)
+    radii = _positive(radius, "radius") * np.array([inner, 1.0])
+    counts = _shares(count, list(radii**2))
+    return np.vstack(
+        [
+            r * _directions(n, 3, rng)
+            for r, n in zip(radii.tolist(), counts, strict=True)
+        ]
+    )
 
 
 def fruit_bowl(num_samples: int, *, random_state: RandomState = None) -> FloatArray:
@@ -771,6 +925,34 @@ def sphere_times_circle(
     )
 
 
+def sphere_times_sphere(
+    num_samples: int,
+    *,
+    radii: tuple[float, float] = (1.0, 1.0),
+    random_state: RandomState = None,
+) -> FloatArray:
+    """Sample the product S^2 x S^2 in R^6.
+
+    Parameters
+    ----------
+    num_samples : int
+        Number of samples.
+    radii : tuple of two floats
+        Radii of the spheres, coordinates 0 to 2 and 3 to 5.
+    random_state : int, Generator, RandomState or None
+        Source of randomness.
+
+    Returns
+    -------
+    ndarray of shape (num_samples, 6)
+        Samples, uniform in volume.
+    """
+    rng, count = _generator(random_state), _count(num_samples)
+    return np.hstack(
+        [_positive(radius, "radii") * _directions(count, 3, rng) for radius in radii]
+    )
+
+
 # ------------------------------------------------------ manifolds with boundary
 
 
@@ -818,6 +1000,7 @@ def annulus(
     *,
     inner_radius: float = 0.5,
     outer_radius: float = 1.0,
+    ambient_dim: int | None = None,
     random_state: RandomState = None,
 ) -> FloatArray:
     """Sample a flat annulus in the plane.
@@ -830,18 +1013,63 @@ def annulus(
         Radius of the hole, positive.
     outer_radius : float
         Radius of the outer circle, above ``inner_radius``.
+    ambient_dim : int, optional
+        Embed the annulus isometrically into this dimension, at least 2, by a random
+        orthonormal map.
     random_state : int, Generator, RandomState or None
         Source of randomness.
 
     Returns
     -------
-    ndarray of shape (num_samples, 2)
+    ndarray of shape (num_samples, 2) or (num_samples, ambient_dim)
         Samples, uniform in area.
     """
     rng, count = _generator(random_state), _count(num_samples)
     _check_radii(outer_radius, inner_radius, ("outer_radius", "inner_radius"))
     radii = np.sqrt(rng.uniform(inner_radius**2, outer_radius**2, count))
-    return radii[:, None] * _unit_circle(_angles(count, rng))
+    points = radii[:, None] * _unit_circle(_angles(count, rng))
+    return points if ambient_dim is None else embed(points, ambient_dim, rng)
+
+
+def grid_cylinder(
+    num_samples: int = 960,
+    *,
+    num_around: int = 48,
+    radius: float = 1.0,
+    jitter: float = 0.0,
+    random_state: RandomState = None,
+) -> FloatArray:
+    """Sample an open cylinder in space on a regular grid of squares.
+
+    Parameters
+    ----------
+    num_samples : int
+        Number of samples, a multiple of ``num_around``; more make the cylinder higher.
+    num_around : int
+        Number of samples on each circle, at least 3.
+    radius : float
+        Radius of the cylinder.
+    jitter : float
+        Standard deviation of a normal displacement around and along the axis, in units
+        of the grid's spacing. The samples stay on the cylinder.
+    random_state : int, Generator, RandomState or None
+        Source of randomness.
+
+    Returns
+    -------
+    ndarray of shape (num_samples, 3)
+        Samples, circle by circle.
+    """
+    rng, count = _generator(random_state), _count(num_samples)
+    columns = _at_least(num_around, 3, "num_around")
+    _check_multiple(count, columns)
+    rows, column = np.divmod(np.arange(count), columns)
+    displacement = jitter * rng.standard_normal((2, count))
+    step = 2 * np.pi / columns
+    around = _unit_circle(step * (column + displacement[0]))
+    return _positive(radius, "radius") * np.column_stack(
+        [around, step * (rows + displacement[1])]
+    )
 
 
 def swiss_roll(
@@ -942,6 +1170,46 @@ def ball(
     dim = _at_least(dim, 1, "dim")
     radii = _positive(radius, "radius") * rng.uniform(size=count) ** (1 / dim)
     return radii[:, None] * _directions(count, dim, rng)
+
+
+def bent_ball(
+    num_samples: int,
+    *,
+    dim: int = 3,
+    radius: float = 1.0,
+    bend_radius: float = 1.0,
+    random_state: RandomState = None,
+) -> FloatArray:
+    """Sample a ball of dimension ``dim`` that is bent into one dimension more.
+
+    Parameters
+    ----------
+    num_samples : int
+        Number of samples.
+    dim : int
+        Dimension of the ball, at least 1.
+    radius : float
+        Radius of the ball, below pi ``bend_radius``, or its ends meet.
+    bend_radius : float
+        Radius of the cylinder that the ball is rolled onto along its first coordinate.
+    random_state : int, Generator, RandomState or None
+        Source of randomness.
+
+    Returns
+    -------
+    ndarray of shape (num_samples, dim + 1)
+        Samples, uniform in volume: bending keeps lengths.
+    """
+    _check_radii(
+        np.pi * _positive(bend_radius, "bend_radius"),
+        radius,
+        ("pi bend_radius", "radius"),
+    )
+    flat = ball(num_samples, dim=dim, radius=radius, random_state=random_state)
+    angle = flat[:, 0] / bend_radius
+    return np.column_stack(
+        [bend_radius * np.sin(angle), flat[:, 1:], bend_radius * (1 - np.cos(angle))]
+    )
 
 
 # --------------------------------------------------------------- on any sample
@@ -1057,6 +1325,12 @@ class Shape:
         Whether the manifold has no boundary.
     orientable : bool
         Whether the manifold is orientable.
+    boundary_components : int
+        Number of connected components of the boundary; by default 1 where the
+        manifold is not closed.
+    betti_numbers_mod3 : tuple of K + 1 ints
+        Betti numbers with coefficients in Z/3; by default those in Z/2. They differ
+        where there is 2-torsion.
     """
 
     generate: Callable[..., FloatArray]
@@ -1065,6 +1339,15 @@ class Shape:
     betti_numbers: tuple[int, ...]
     closed: bool = True
     orientable: bool = True
+    boundary_components: int = -1
+    betti_numbers_mod3: tuple[int, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Fill in the defaults that depend on other attributes."""
+        if self.boundary_components < 0:
+            object.__setattr__(self, "boundary_components", int(not self.closed))
+        if not self.betti_numbers_mod3:
+            object.__setattr__(self, "betti_numbers_mod3", self.betti_numbers)
 
     @property
     def components(self) -> int:
@@ -1082,27 +1365,67 @@ SHAPES: dict[str, Shape] = {
     "ellipse": Shape(ellipse, 1, 2, (1, 1)),
     "planar_curve": Shape(planar_curve, 1, 2, (1, 1)),
     "planar_curves": Shape(planar_curves, 1, 2, (2, 2)),
-    "spiral": Shape(spiral, 1, 2, (1, 0), closed=False),
+    "spiral": Shape(spiral, 1, 2, (1, 0), closed=False, boundary_components=2),
     "trefoil": Shape(trefoil, 1, 3, (1, 1)),
     "closed_curve": Shape(closed_curve, 1, 10, (1, 1)),
+    "closed_curve_in_100": Shape(
+        partial(closed_curve, ambient_dim=100), 1, 100, (1, 1)
+    ),
     "interlocking_circles": Shape(interlocking_circles, 1, 3, (2, 2)),
     "sphere": Shape(sphere, 2, 3, (1, 0, 1)),
+    "sphere_3": Shape(partial(sphere, dim=3), 3, 4, (1, 0, 0, 1)),
+    "sphere_4": Shape(partial(sphere, dim=4), 4, 5, (1, 0, 0, 0, 1)),
+    "concentric_spheres": Shape(concentric_spheres, 2, 3, (2, 0, 2)),
     "torus": Shape(torus, 2, 3, (1, 2, 1)),
+    "uneven_torus": Shape(partial(torus, spacing_ratio=10.0), 2, 3, (1, 2, 1)),
     "grid_torus": Shape(grid_torus, 2, 3, (1, 2, 1)),
-    "klein_bottle": Shape(klein_bottle, 2, 4, (1, 2, 1), orientable=False),
-    "projective_plane": Shape(projective_plane, 2, 5, (1, 1, 1), orientable=False),
+    "double_torus": Shape(double_torus, 2, 3, (1, 4, 1)),
+    "uneven_double_torus": Shape(
+        partial(double_torus, spacing_ratio=10.0), 2, 3, (1, 4, 1)
+    ),
+    "klein_bottle": Shape(
+        klein_bottle,
+        2,
+        4,
+        (1, 2, 1),
+        orientable=False,
+        betti_numbers_mod3=(1, 1, 0),
+    ),
+    "projective_plane": Shape(
+        projective_plane,
+        2,
+        5,
+        (1, 1, 1),
+        orientable=False,
+        betti_numbers_mod3=(1, 0, 0),
+    ),
     "interlocking_tori": Shape(interlocking_tori, 2, 3, (2, 4, 2)),
     "fruit_bowl": Shape(fruit_bowl, 2, 3, (4, 0, 4)),
     "flat_torus": Shape(flat_torus, 2, 4, (1, 2, 1)),
-    "rotations": Shape(rotations, 3, 9, (1, 1, 1, 1)),
+    "flat_torus_in_100": Shape(partial(flat_torus, ambient_dim=100), 2, 100, (1, 2, 1)),
+    "flat_torus_3": Shape(partial(flat_torus, dim=3), 3, 6, (1, 3, 3, 1)),
+    "rotations": Shape(rotations, 3, 9, (1, 1, 1, 1), betti_numbers_mod3=(1, 0, 0, 1)),
     "sphere_times_circle": Shape(sphere_times_circle, 3, 5, (1, 1, 1, 1)),
+    "sphere_times_sphere": Shape(sphere_times_sphere, 4, 6, (1, 0, 2, 0, 1)),
     "moebius_band": Shape(
         moebius_band, 2, 3, (1, 1, 0), closed=False, orientable=False
     ),
-    "annulus": Shape(annulus, 2, 2, (1, 1, 0), closed=False),
+    "annulus": Shape(annulus, 2, 2, (1, 1, 0), closed=False, boundary_components=2),
+    "annulus_in_4": Shape(
+        partial(annulus, ambient_dim=4),
+        2,
+        4,
+        (1, 1, 0),
+        closed=False,
+        boundary_components=2,
+    ),
+    "grid_cylinder": Shape(
+        grid_cylinder, 2, 3, (1, 1, 0), closed=False, boundary_components=2
+    ),
     "swiss_roll": Shape(swiss_roll, 2, 3, (1, 0, 0), closed=False),
     "spherical_cap": Shape(spherical_cap, 2, 3, (1, 0, 0), closed=False),
     "ball": Shape(ball, 3, 3, (1, 0, 0, 0), closed=False),
+    "bent_ball": Shape(bent_ball, 3, 4, (1, 0, 0, 0), closed=False),
 }
 
 FIGURES: dict[int, str] = {
@@ -1331,6 +1654,20 @@ def _check_radii(
 ) -> None:
     if not 0 < inner < outer:
         msg = f"0 < {names[1]} < {names[0]} must hold, got {inner} and {outer}"
+        raise ValueError(msg)
+
+
+def _check_multiple(count: int, num_around: int) -> None:
+    if count % num_around:
+        msg = (
+            f"num_samples must be a multiple of num_around = {num_around}, got {count}"
+        )
+        raise ValueError(msg)
+
+
+def _check_spacing_ratio(spacing_ratio: float) -> None:
+    if not 1 <= spacing_ratio < np.inf:
+        msg = f"spacing_ratio must be at least 1 and finite, got {spacing_ratio}"
         raise ValueError(msg)
 
 

@@ -48,7 +48,7 @@ def on_trefoil(points):
 
 def on_closed_curve(points):
     t = np.arctan2(points[:, 1], points[:, 0])
-    k = np.arange(1, 6)
+    k = np.arange(1, points.shape[1] // 2 + 1)
     expected = np.stack([np.cos(t[:, None] * k), np.sin(t[:, None] * k)], axis=2)
     return (points - (expected / (k**2)[:, None]).reshape(len(points), -1)).ravel()
 
@@ -95,6 +95,45 @@ def on_moebius_band(points):
     return along * np.sin(u / 2) - points[:, 2] * np.cos(u / 2)
 
 
+def on_double_torus(points):
+    x, y, z = points.T
+    w = x / 1.6
+    return (w**2 * (1 - w**2) - y**2) ** 2 + z**2 - 0.2**2
+
+
+def on_concentric_spheres(points):
+    radii = NORM(points, axis=1)
+    count = np.count_nonzero(radii < radii.mean())  # inner samples come first
+    inner, outer = radii[:count], radii[count:]
+    return np.concatenate([inner - inner[0], outer - 1])
+
+
+def in_flat_space(points, dim):
+    """The points in coordinates of the space that they span; zero beyond ``dim``."""
+    basis = np.linalg.svd(points, full_matrices=False)[2]
+    coordinates = points @ basis.T
+    np.testing.assert_allclose(coordinates[:, dim:], 0.0, atol=1e-12)
+    return coordinates[:, :dim]
+
+
+def on_embedded_flat_torus(points):
+    # x is in the plane of both circles: |x|^2 = 2, and the products have rank 4.
+    coordinates = in_flat_space(points, 4)
+    return NORM(coordinates, axis=1) ** 2 - 2
+
+
+def in_bent_ball(points):
+    angle = np.arctan2(points[:, 0], 1 - points[:, -1])
+    flat = np.column_stack([angle, points[:, 1:-1]])
+    rolled = np.hypot(points[:, 0], 1 - points[:, -1]) - 1
+    return np.concatenate([rolled, np.maximum(NORM(flat, axis=1) - 1, 0)])
+
+
+def in_annulus(points):
+    radii = NORM(points, axis=1)
+    return np.clip(radii, 0.5, 1) - radii
+
+
 def on_fruit_bowl(points):
     """Inside the box of the bowl and its fruits; the surfaces have no equation."""
     below, above = [-2.2, -2.2, -2.2], [2.2, 2.2, 0.7]
@@ -109,24 +148,37 @@ EQUATIONS = {
     "spiral": on_spiral,
     "trefoil": on_trefoil,
     "closed_curve": on_closed_curve,
+    "closed_curve_in_100": on_closed_curve,
     "interlocking_circles": on_interlocking_circles,
     "sphere": lambda p: NORM(p, axis=1) - 1,
+    "sphere_3": lambda p: NORM(p, axis=1) - 1,
+    "sphere_4": lambda p: NORM(p, axis=1) - 1,
+    "concentric_spheres": on_concentric_spheres,
     "torus": on_torus,
+    "uneven_torus": on_torus,
+    "double_torus": on_double_torus,
+    "uneven_double_torus": on_double_torus,
     "grid_torus": on_torus,
     "klein_bottle": on_klein_bottle,
     "projective_plane": on_projective_plane,
     "interlocking_tori": on_interlocking_tori,
     "fruit_bowl": on_fruit_bowl,
     "flat_torus": lambda p: NORM(p.reshape(-1, 2, 2), axis=2).ravel() - 1,
+    "flat_torus_in_100": on_embedded_flat_torus,
+    "flat_torus_3": lambda p: NORM(p.reshape(-1, 3, 2), axis=2).ravel() - 1,
     "rotations": on_rotations,
     "sphere_times_circle": lambda p: np.concatenate(
         [NORM(p[:, :3], axis=1) - 1, NORM(p[:, 3:], axis=1) - 1]
     ),
+    "sphere_times_sphere": lambda p: NORM(p.reshape(-1, 2, 3), axis=2).ravel() - 1,
     "moebius_band": on_moebius_band,
-    "annulus": lambda p: np.clip(NORM(p, axis=1), 0.5, 1) - NORM(p, axis=1),
+    "annulus": in_annulus,
+    "annulus_in_4": lambda p: in_annulus(in_flat_space(p, 2)),
+    "grid_cylinder": lambda p: NORM(p[:, :2], axis=1) - 1,
     "swiss_roll": lambda p: on_spiral(p[:, [0, 2]]),
     "spherical_cap": lambda p: NORM(p, axis=1) - 1 + np.minimum(p[:, 2] - 0.5, 0),
     "ball": lambda p: np.maximum(NORM(p, axis=1) - 1, 0),
+    "bent_ball": in_bent_ball,
 }
 
 
@@ -145,17 +197,17 @@ def test_samples_lie_on_the_manifold(name):
 @pytest.mark.parametrize("name", SHAPES)
 def test_random_state(name):
     generate = SHAPES[name].generate
-    first = generate(48, random_state=7)
-    np.testing.assert_array_equal(generate(48, random_state=7), first)
+    first = generate(144, random_state=7)
+    np.testing.assert_array_equal(generate(144, random_state=7), first)
     np.testing.assert_array_equal(
-        generate(48, random_state=np.random.default_rng(7)), first
+        generate(144, random_state=np.random.default_rng(7)), first
     )
-    if name != "grid_torus":  # without jitter there is nothing random in it
-        assert not np.array_equal(generate(48, random_state=8), first)
-        assert not np.array_equal(generate(48), generate(48))
+    if name not in {"grid_torus", "grid_cylinder"}:  # without jitter nothing is random
+        assert not np.array_equal(generate(144, random_state=8), first)
+        assert not np.array_equal(generate(144), generate(144))
         rng = np.random.default_rng(7)
         assert not np.array_equal(
-            generate(48, random_state=rng), generate(48, random_state=rng)
+            generate(144, random_state=rng), generate(144, random_state=rng)
         )
 
 
@@ -172,11 +224,28 @@ def test_topology_in_the_table_is_consistent(name):
     betti = shape.betti_numbers
     assert len(betti) == shape.dim + 1
     assert shape.components == betti[0] > 0
+    mod3 = shape.betti_numbers_mod3
+    assert len(mod3) == len(betti)
+    signs = (-1) ** np.arange(len(betti))
+    assert signs @ mod3 == shape.euler_characteristic
+    assert all(np.array(mod3) <= betti)
+    assert shape.closed == (shape.boundary_components == 0)
     if shape.closed:  # Poincaré duality with coefficients in Z/2
         assert betti == betti[::-1]
         assert shape.dim % 2 == 0 or shape.euler_characteristic == 0
+        assert (mod3 == mod3[::-1]) == shape.orientable
+        assert mod3[-1] == (shape.components if shape.orientable else 0)
     else:
-        assert betti[-1] == 0
+        assert betti[-1] == mod3[-1] == 0
+
+
+def test_defaults_of_a_shape():
+    disk = datasets.Shape(datasets.ball, 2, 2, (1, 0, 0), closed=False)
+    assert disk.boundary_components == 1
+    assert disk.betti_numbers_mod3 == (1, 0, 0)
+    assert SHAPES["annulus"].boundary_components == 2
+    assert SHAPES["circle"].boundary_components == 0
+    assert SHAPES["rotations"].betti_numbers_mod3 == (1, 0, 0, 1)
 
 
 def test_known_euler_characteristics():
@@ -189,7 +258,9 @@ def test_known_euler_characteristics():
 def test_tables_are_complete():
     others = {"FIGURES", "SHAPES", "RandomState", "Shape"}
     others |= {"add_noise", "embed", "figure_samples", "spread"}
-    assert set(datasets.__all__) - others == set(SHAPES)
+    generators = {shape.generate for shape in SHAPES.values()}
+    names = {getattr(g, "func", g).__name__ for g in generators}
+    assert set(datasets.__all__) - others == names <= set(SHAPES)
     assert set(EQUATIONS) == set(SHAPES)
     assert set(FIGURES) == set(range(3, 10))
     assert set(FIGURES.values()) <= set(SHAPES)
@@ -210,6 +281,21 @@ MEANS = {
     "annulus": (datasets.annulus, lambda p: NORM(p, axis=1) ** 2, 0.625),
     "ball": (datasets.ball, lambda p: NORM(p, axis=1) ** 3, 0.5),
     "spherical_cap": (datasets.spherical_cap, lambda p: p[:, 2], 0.75),
+    "bent_ball": (
+        datasets.bent_ball,
+        lambda p: p[:, 1] ** 2 + p[:, 2] ** 2,
+        2 / 5,
+    ),
+    "bent_disk": (
+        lambda n, **k: datasets.bent_ball(n, dim=2, radius=2, bend_radius=3, **k),
+        lambda p: (3 * np.arcsin(p[:, 0] / 3)) ** 2,
+        1.0,
+    ),
+    "sphere_times_sphere": (
+        lambda n, **k: datasets.sphere_times_sphere(n, radii=(1, 2), **k),
+        lambda p: p[:, 1] ** 2 + p[:, 5] ** 2,
+        1 / 3 + 4 / 3,
+    ),
     "rotations": (datasets.rotations, lambda p: p[:, 0] ** 2, 1 / 3),
     "projective_plane": (datasets.projective_plane, lambda p: p[:, 4] ** 2, 1 / 5),
 }
@@ -279,6 +365,86 @@ def test_surfaces_are_uniform_in_area(name):
     assert squared[half].mean() == pytest.approx(squared[~half].mean(), rel=0.05)
 
 
+def nearest_distances(points):
+    from scipy.spatial import cKDTree
+
+    return cKDTree(points).query(points, k=2)[0][:, 1]
+
+
+def test_double_torus_is_uniform_in_area():
+    from scipy.spatial import cKDTree
+
+    points = datasets.double_torus(40_000, random_state=4)
+    # The 10th neighbor: near enough for the surface to be flat.
+    squared = cKDTree(points).query(points, k=11)[0][:, -1] ** 2
+    x, y, z = np.abs(points.T)
+    for half in (x > 0.8, y > 0.3, z > 0.15, points[:, 0] > 0, points[:, 2] > 0):
+        assert 0.2 < half.mean() < 0.8
+        assert squared[half].mean() == pytest.approx(squared[~half].mean(), rel=0.05)
+
+
+@pytest.mark.parametrize("thickness", [0.05, 0.2, 0.249])
+def test_double_torus_has_genus_2(thickness):
+    # The body is an interval in z over its shadow on the plane, with as many holes.
+    w = np.linspace(-1.2, 1.2, 481)
+    y = np.linspace(-0.8, 0.8, 321)
+    level = (w**2 * (1 - w**2))[:, None] - y**2
+    shadow = np.abs(level) < thickness
+    # 1 minus the number of holes is its Euler characteristic: corners, sides, squares.
+    corners = np.pad(shadow, 1)
+    vertices = corners[1:, 1:] | corners[:-1, 1:] | corners[1:, :-1] | corners[:-1, :-1]
+    sides = corners[1:] | corners[:-1], corners[:, 1:] | corners[:, :-1]
+    assert vertices.sum() - sum(s.sum() for s in sides) + shadow.sum() == -1
+
+
+@pytest.mark.parametrize("name", ["uneven_torus", "uneven_double_torus"])
+def test_spacing_varies_ten_to_one(name):
+    points = SHAPES[name].generate(40_000, random_state=2)
+    if name == "uneven_torus":
+        turned = -points[:, 0] / NORM(points[:, :2], axis=1)  # -cos u
+        spacing = 10 ** ((1 + turned) / 2)
+    else:
+        spacing = 1 + 9 * (1 + points[:, 0] / np.abs(points[:, 0]).max()) / 2
+    order = np.argsort(spacing)
+    assert spacing.max() / spacing.min() > 9
+    ratio = (nearest_distances(points) / spacing)[order]
+    means = [part.mean() for part in np.array_split(ratio, 20)]
+    assert means == pytest.approx([np.mean(means)] * 20, rel=0.06)
+
+
+def test_concentric_spheres_are_few_spacings_apart():
+    for spacings in (1.5, 3):
+        points = datasets.concentric_spheres(
+            20_000, spacings=spacings, radius=2, random_state=1
+        )
+        radii = NORM(points, axis=1)
+        inner, outer = radii.min(), radii.max()
+        assert outer == pytest.approx(2)
+        spacing = np.sqrt(4 * np.pi * (inner**2 + outer**2) / 20_000)
+        assert outer - inner == pytest.approx(spacings * spacing, rel=1e-12)
+        nearest = [
+            nearest_distances(points[side]) for side in (radii < 1.99, radii > 1.99)
+        ]
+        assert [n.mean() for n in nearest] == pytest.approx([spacing / 2] * 2, rel=0.05)
+    with pytest.raises(ValueError, match=r"above 4 pi spacings\^2 = 113, got 113"):
+        datasets.concentric_spheres(113)
+    assert datasets.concentric_spheres(114).shape == (114, 3)
+
+
+def test_grid_cylinder_has_squares():
+    points = datasets.grid_cylinder(480, num_around=24, radius=2).reshape(20, 24, 3)
+    up = NORM(points[1:] - points[:-1], axis=2)
+    np.testing.assert_allclose(up, 2 * np.pi * 2 / 24, rtol=1e-12)
+    assert NORM(points[0, 0] - points[0, 1]) == pytest.approx(
+        2 * 2 * np.sin(np.pi / 24)
+    )
+    shaken = datasets.grid_cylinder(480, jitter=1e-3, random_state=0)
+    distance = NORM(shaken - datasets.grid_cylinder(480), axis=1)
+    assert 0 < distance.max() < 1e-2
+    with pytest.raises(ValueError, match="a multiple of num_around = 48, got 50"):
+        datasets.grid_cylinder(50)
+
+
 # -------------------------------------------------------------------- options
 
 
@@ -287,6 +453,8 @@ def test_options_that_set_shape_and_size():
     assert datasets.ball(4, dim=2).shape == (4, 2)
     assert datasets.closed_curve(4, ambient_dim=82).shape == (4, 82)
     assert datasets.closed_curve(4, ambient_dim=3).shape == (4, 3)
+    assert datasets.annulus(4, ambient_dim=5).shape == (4, 5)
+    assert datasets.bent_ball(4, dim=4).shape == (4, 5)
     assert datasets.flat_torus(4, dim=3, radii=[1, 2, 3]).shape == (4, 6)
     radii = NORM(datasets.flat_torus(9, dim=2, radii=[1, 2]).reshape(-1, 2, 2), axis=2)
     np.testing.assert_allclose(radii, [[1, 2]] * 9)
@@ -397,6 +565,15 @@ def test_counts_must_be_positive(name, count):
         (lambda: datasets.annulus(3, inner_radius=2), "inner_radius < outer_radius"),
         (lambda: datasets.spherical_cap(3, angle=4), "angle must be between 0 and pi"),
         (lambda: datasets.spiral(3, turns=0), "turns must be positive"),
+        (lambda: datasets.torus(3, spacing_ratio=0.5), "spacing_ratio must be at"),
+        (lambda: datasets.double_torus(3, spacing_ratio=np.nan), "spacing_ratio must"),
+        (lambda: datasets.double_torus(3, thickness=0.25), "thickness must be between"),
+        (lambda: datasets.double_torus(3, length=0), "length must be positive"),
+        (lambda: datasets.bent_ball(3, radius=4), "0 < radius < pi bend_radius"),
+        (lambda: datasets.bent_ball(3, bend_radius=0), "bend_radius must be positive"),
+        (lambda: datasets.annulus(3, ambient_dim=1), "ambient_dim must be at least 2"),
+        (lambda: datasets.concentric_spheres(300, spacings=0), "spacings must be"),
+        (lambda: datasets.sphere_times_sphere(3, radii=(1, 0)), "radii must be"),
     ],
 )
 def test_bad_options(call, message):
