@@ -101,4 +101,41 @@ Csr stars_to_input(const Samples& samples, const LocalRegions& regions,
   return result;
 }
 
+SimplexArray to_input(const Samples& samples, const SimplexArray& simplices,
+                      const std::vector<std::int8_t>& signs) {
+  const int arity = simplices.arity;
+  SimplexArray mapped{arity, {}};
+  mapped.vertices.reserve(simplices.vertices.size());
+  for (const Index v : simplices.vertices) {
+    mapped.vertices.push_back(samples.input_index(v));
+  }
+  std::vector<std::int8_t> parity(signs);
+  for (Offset s = 0; s < mapped.size(); ++s) {
+    Index* row = mapped.vertices.data() + s * arity;
+    for (int i = 1; i < arity; ++i) {
+      for (int j = i; j > 0 && row[j - 1] > row[j]; --j) {
+        std::swap(row[j - 1], row[j]);
+        if (!parity.empty()) {
+          parity[s] = static_cast<std::int8_t>(-parity[s]);
+        }
+      }
+    }
+  }
+  std::vector<Offset> order(mapped.size());
+  std::iota(order.begin(), order.end(), Offset{0});
+  std::sort(order.begin(), order.end(), [&](Offset a, Offset b) {
+    return std::lexicographical_compare(mapped[a], mapped[a] + arity, mapped[b],
+                                        mapped[b] + arity);
+  });
+  SimplexArray result{arity, {}};
+  result.vertices.reserve(mapped.vertices.size());
+  for (const Offset s : order) {
+    result.vertices.insert(result.vertices.end(), mapped[s], mapped[s] + arity);
+    if (arity > 1 && !parity.empty() && parity[s] < 0) {
+      std::swap(*(result.vertices.end() - 1), *(result.vertices.end() - 2));
+    }
+  }
+  return result;
+}
+
 }  // namespace remanifold

@@ -3,10 +3,13 @@
 #include "remanifold/reconstruct.hpp"
 
 #include "detail/parallel.hpp"
+#include "remanifold/facets.hpp"
 #include "remanifold/input_numbering.hpp"
 #include "remanifold/local_region.hpp"
 #include "remanifold/topology.hpp"
 
+#include <Eigen/Core>
+#include <Eigen/LU>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -23,6 +26,112 @@ int thread_count(const Execution& execution) {
              : tbb::task_arena(tbb::task_arena::automatic).max_concurrency();
 }
 
+/// +1 where the input numbers of the vertices are an even permutation of ascending ones.
+int sign_of_input_order(const Samples& samples, const Index* simplex, int arity) {
+  int sign = 1;
+  for (int i = 0; i < arity; ++i) {
+    for (int j = 0; j < i; ++j) {
+      if (samples.input_index(simplex[j]) > samples.input_index(simplex[i])) {
+        sign = -sign;
+      }
+    }
+  }
+  return sign;
+}
+
+/// What both methods begin with.
+struct Regions {
+  NeighborSearch search;
+  Neighborhoods neighborhoods;
+  TangentSpaces tangents;
+  LocalRegions regions;
+  double recall = 1;
+  StepSeconds seconds;
+};
+
+Regions compute_regions(const Samples& samples, TangentOptions tangent,
+                        const SearchOptions& options, const Execution& execution) {
+  const double threads = thread_count(execution);
+  detail::Stopwatch watch;
+  Regions result{NeighborSearch(samples, options, execution), {}, {}, {}, 1, {}};
+  result.neighborhoods = find_neighborhoods(
+      samples, result.search,
+      std::max(tangent.num_neighbors, certifying_count(tangent.dim, result.search)),
+      execution);
+  result.seconds.neighborhoods = watch.lap();
+  if (result.search.method() == SearchMethod::kApproximate) {
+    result.recall = measure_recall(samples, result.search, result.neighborhoods.count,
+                                   kRecallQueries, execution);
+    watch.lap();
+  }
+  result.tangents =
+      compute_tangent_spaces(samples, result.neighborhoods, tangent, execution);
+  result.seconds.tangent_spaces = watch.lap();
+  result.regions = compute_local_regions(samples, result.search, result.neighborhoods,
+                                         result.tangents, execution);
+  result.seconds.local_regions = watch.lap();
+
+  // Thread time over threads stands for wall time.
+  StepSeconds& seconds = result.seconds;
+  const double in_tangents = result.tangents.coordinate_seconds / threads;
+  const double in_regions = result.regions.coordinate_seconds / threads;
+  seconds.coordinates = in_tangents + in_regions;
+  seconds.neighborhoods += seconds.coordinates;
+  seconds.tangent_spaces -= std::min(seconds.tangent_spaces, in_tangents);
+  seconds.local_regions -= std::min(seconds.local_regions, in_regions);
+  return result;
+}
+
+/// Signs of simplices with ascending columns: alike across facets, and with a positive
+/// volume where there is one to speak of. 0 where a patch has no orientation.
+std::vector<std::int8_t> orient(const Samples& samples, const SimplexArray& simplices,
+                                const Execution& execution) {
+  const int arity = simplices.arity;
+  const int dim = arity - 1;
+  const std::vector<FacetNumber> neighbors =
+      facet_neighbors(simplices, samples.size(), execution);
+  OrientedPatches patches = orient_patches(neighbors, arity);
+  const auto num_patches = patches.sizes.size();
+  std::vector<std::uint8_t> closed(num_patches, 1);
+  for (std::size_t f = 0; f < neighbors.size(); ++f) {
+    if (neighbors[f] == kOpen) {
+      closed[patches.patch[f / arity]] = 0;
+    }
+  }
+  const int ambient_dim = samples.has_points() ? samples.ambient_dim() : 0;
+  std::vector<double> volume(num_patches, 0.0);
+  std::vector<double> first(num_patches, 0.0);
+  Eigen::MatrixXd edges(ambient_dim, ambient_dim);
+  for (Offset s = 0; s < simplices.size(); ++s) {
+    const Index patch = patches.patch[s];
+    const double sign = patches.sign[s];
+    if (first[patch] == 0) {
+      first[patch] = sign * sign_of_input_order(samples, simplices[s], arity);
+    }
+    // With K = D - 1 the volume of the cone over the simplex from the origin.
+    if (ambient_dim == dim || (ambient_dim == dim + 1 && closed[patch] != 0)) {
+      const bool cone = ambient_dim > dim;
+      for (int i = 0; i < ambient_dim; ++i) {
+        const double* p = samples.point(simplices[s][cone ? i : i + 1]);
+        const double* origin = samples.point(simplices[s][0]);
+        for (int j = 0; j < ambient_dim; ++j) {
+          edges(i, j) = cone ? p[j] : p[j] - origin[j];
+        }
+      }
+      volume[patch] += sign * edges.determinant();
+    }
+  }
+  std::vector<std::int8_t> signs(simplices.size(), 0);
+  for (Offset s = 0; s < simplices.size(); ++s) {
+    const Index patch = patches.patch[s];
+    if (patches.orientable[patch] != 0) {
+      const double turn = volume[patch] != 0 ? volume[patch] : first[patch];
+      signs[s] = static_cast<std::int8_t>(turn < 0 ? -patches.sign[s] : patches.sign[s]);
+    }
+  }
+  return signs;
+}
+
 }  // namespace
 
 Reconstruction reconstruct(const Samples& samples, const ReconstructOptions& options,
@@ -31,38 +140,14 @@ Reconstruction reconstruct(const Samples& samples, const ReconstructOptions& opt
   if (tangent.num_neighbors == 0) {
     tangent.num_neighbors = 10 * tangent.dim;
   }
+  Regions steps = compute_regions(samples, tangent, options.search, execution);
+  const LocalRegions& regions = steps.regions;
   Reconstruction result;
   result.dim = tangent.dim;
-  const double threads = thread_count(execution);
+  result.search = steps.search.method();
+  result.recall = steps.recall;
+  result.seconds = steps.seconds;
   detail::Stopwatch watch;
-
-  const NeighborSearch search(samples, options.search, execution);
-  const Neighborhoods neighborhoods = find_neighborhoods(
-      samples, search,
-      std::max(tangent.num_neighbors, certifying_count(tangent.dim, search)),
-      execution);
-  result.search = search.method();
-  result.seconds.neighborhoods = watch.lap();
-  if (result.search == SearchMethod::kApproximate) {
-    result.recall =
-        measure_recall(samples, search, neighborhoods.count, kRecallQueries, execution);
-    watch.lap();
-  }
-
-  const TangentSpaces tangents =
-      compute_tangent_spaces(samples, neighborhoods, tangent, execution);
-  result.seconds.tangent_spaces = watch.lap();
-  const LocalRegions regions =
-      compute_local_regions(samples, search, neighborhoods, tangents, execution);
-  result.seconds.local_regions = watch.lap();
-
-  // Thread time over threads stands for wall time.
-  const double in_tangents = tangents.coordinate_seconds / threads;
-  const double in_regions = regions.coordinate_seconds / threads;
-  result.seconds.coordinates = in_tangents + in_regions;
-  result.seconds.neighborhoods += result.seconds.coordinates;
-  result.seconds.tangent_spaces -= std::min(result.seconds.tangent_spaces, in_tangents);
-  result.seconds.local_regions -= std::min(result.seconds.local_regions, in_regions);
 
   result.edge_sets = edge_sets_to_input(samples, regions, execution);
   result.stars = stars_to_input(samples, regions, execution);
@@ -71,7 +156,7 @@ Reconstruction reconstruct(const Samples& samples, const ReconstructOptions& opt
   result.simplices = clique_complex(graph, tangent.dim, execution);
 
   result.seconds.complex = watch.lap();
-  TangentSpaces mapped = to_input(samples, tangents);
+  TangentSpaces mapped = to_input(samples, steps.tangents);
   result.tangents = std::move(mapped.bases);
   result.tangent_simplices = std::move(mapped.simplices);
   result.boundary = std::move(mapped.boundary);
@@ -82,6 +167,65 @@ Reconstruction reconstruct(const Samples& samples, const ReconstructOptions& opt
   result.representatives = samples.representatives();
   result.neighbors_used = regions.neighbors_used;
   result.vacuous_constraints = regions.vacuous_constraints;
+  const double written = watch.lap();
+  result.seconds.coordinates += written;
+  result.seconds.neighborhoods += written;
+  return result;
+}
+
+ManifoldReconstruction reconstruct_manifold(const Samples& samples,
+                                            const ReconstructOptions& options,
+                                            ManifoldOptions manifold,
+                                            const ProgramSolver& solver,
+                                            const Execution& execution) {
+  TangentOptions tangent = options.tangent;
+  const int dim = tangent.dim;
+  if (tangent.num_neighbors == 0) {
+    tangent.num_neighbors = jet_neighbors(dim);
+  }
+  Regions steps = compute_regions(samples, tangent, options.search, execution);
+  detail::Stopwatch watch;
+  ManifoldReconstruction result;
+  result.dim = dim;
+  result.search = steps.search.method();
+  result.recall = steps.recall;
+  result.seconds = steps.seconds;
+  result.representatives = samples.representatives();
+
+  if (manifold.boundary == BoundaryRule::kGiven) {
+    std::vector<std::uint8_t> mask(samples.size(), 0);
+    const std::vector<Index> canonical = samples.canonical_indices();
+    for (std::size_t i = 0; i < canonical.size(); ++i) {
+      mask[canonical[i]] |= manifold.boundary_samples[i];
+    }
+    manifold.boundary_samples = std::move(mask);
+  }
+  detail::begin_step(execution, Step::kComplex, 0);
+  ManifoldComplex complex = build_manifold(samples, steps.neighborhoods, steps.tangents,
+                                           steps.regions, manifold, solver, execution);
+  steps.regions = {};
+  const std::vector<std::int8_t> signs = orient(samples, complex.simplices, execution);
+  result.simplices = to_input(samples, complex.simplices, signs);
+  ManifoldReport& report = complex.report;
+  for (SimplexArray* simplices : {&report.disputed, &report.filled, &report.open_facets,
+                                  &report.branching_facets}) {
+    *simplices = to_input(samples, *simplices, {});
+  }
+  for (std::vector<Index>* vertices :
+       {&report.singular, &report.inserted, &report.outliers}) {
+    for (Index& v : *vertices) {
+      v = samples.input_index(v);
+    }
+    std::sort(vertices->begin(), vertices->end());
+  }
+  result.report = std::move(report);
+  result.edges = edges_of(result.simplices, samples.input_size());
+  result.boundary.assign(samples.input_size(), 0);
+  for (const Index v : result.report.open_facets.vertices) {
+    result.boundary[v] = 1;
+  }
+  result.seconds.complex = watch.lap();
+  result.tangents = to_input(samples, steps.tangents).bases;
   const double written = watch.lap();
   result.seconds.coordinates += written;
   result.seconds.neighborhoods += written;

@@ -53,6 +53,94 @@ py::dict reconstruct_paper(const std::string& kind, const InputArray<double>& ma
   return out;
 }
 
+/// A Python function of the program's arrays and a function that says whether to stop;
+/// returns x, or an empty array.
+ProgramSolver program_solver(const py::object& function, const Execution& execution) {
+  if (function.is_none()) {
+    return {};
+  }
+  return [function = function.ptr(), &execution](const LinearProgram& program) {
+    const auto copy = [](const auto& values) {
+      using T = typename std::decay_t<decltype(values)>::value_type;
+      return py::array_t<T>(static_cast<py::ssize_t>(values.size()), values.data());
+    };
+    std::vector<double> x;
+    {
+      const py::gil_scoped_acquire acquire;
+      const py::cpp_function cancelled([&execution] {
+        return execution.progress != nullptr && execution.progress->cancel.load();
+      });
+      const py::object result = py::handle(function)(
+          copy(program.costs), copy(program.upper), copy(program.integral),
+          copy(program.row_lower), copy(program.row_upper), copy(program.offsets),
+          copy(program.columns), copy(program.values), cancelled);
+      x = to_vector(py::cast<InputArray<double>>(result));
+    }
+    execution.poll();
+    return x;
+  };
+}
+
+py::dict reconstruct_with_chain(const std::string& kind,
+                                const InputArray<double>& matrix, int dim,
+                                Index num_neighbors, const std::string& estimator,
+                                const std::string& boundary,
+                                const InputArray<bool>& boundary_samples,
+                                double hole_radius, const std::string& search,
+                                int checks, const py::object& solve, int num_threads,
+                                const py::object& progress) {
+  ReconstructOptions options;
+  options.tangent = {dim, num_neighbors, estimator_of(estimator)};
+  options.search = search_options(search, checks);
+  ManifoldOptions manifold;
+  manifold.boundary = boundary_rule(boundary);
+  manifold.boundary_samples.assign(boundary_samples.data(),
+                                   boundary_samples.data() + boundary_samples.size());
+  manifold.hole_radius = hole_radius;
+  const MatrixView input = view(matrix);
+  ManifoldReconstruction result =
+      run(num_threads, progress, [&](const Execution& execution) {
+        const Samples samples = make_samples(kind, input, execution);
+        return reconstruct_manifold(samples, options, manifold,
+                                    program_solver(solve, execution), execution);
+      });
+  py::dict out;
+  out["simplices"] = to_numpy(std::move(result.simplices));
+  out["edges"] = to_numpy(std::move(result.edges));
+  if (kind == "points") {
+    out["tangents"] =
+        to_numpy(std::move(result.tangents), {matrix.shape(0), dim, matrix.shape(1)});
+  } else {
+    out["tangents"] = py::none();
+  }
+  out["boundary"] = to_bool_array(std::move(result.boundary));
+  out["representatives"] = to_numpy(std::move(result.representatives));
+  out["search"] = search_name(result.search);
+  out["recall"] = result.recall;
+  ManifoldReport& report = result.report;
+  py::dict repair;
+  repair["disputed_simplices"] = to_numpy(std::move(report.disputed));
+  repair["filled_simplices"] = to_numpy(std::move(report.filled));
+  repair["open_faces"] = to_numpy(std::move(report.open_facets));
+  repair["callous_faces"] = to_numpy(std::move(report.branching_facets));
+  repair["singular_vertices"] = to_numpy(std::move(report.singular));
+  repair["inserted_vertices"] = to_numpy(std::move(report.inserted));
+  repair["unused_vertices"] = to_numpy(std::move(report.outliers));
+  repair["num_agreed"] = report.agreed;
+  repair["num_cavities"] = report.cavities;
+  repair["num_programs"] = report.programs;
+  repair["num_integer_programs"] = report.integer_programs;
+  repair["num_unsolved"] = report.unsolved;
+  out["repair"] = repair;
+  py::dict seconds;
+  seconds["neighborhoods"] = result.seconds.neighborhoods;
+  seconds["tangent_spaces"] = result.seconds.tangent_spaces;
+  seconds["local_regions"] = result.seconds.local_regions;
+  seconds["complex"] = result.seconds.complex;
+  out["timings"] = seconds;
+  return out;
+}
+
 }  // namespace
 
 void bind_reconstruct(py::module_& module) {
@@ -60,6 +148,12 @@ void bind_reconstruct(py::module_& module) {
              py::arg("matrix").noconvert(), py::arg("dim"), py::arg("num_neighbors"),
              py::arg("estimator"), py::arg("edges"), py::arg("search"),
              py::arg("checks"), py::arg("num_threads"), py::arg("progress"));
+  module.def("reconstruct_manifold", &reconstruct_with_chain, py::arg("kind"),
+             py::arg("matrix").noconvert(), py::arg("dim"), py::arg("num_neighbors"),
+             py::arg("estimator"), py::arg("boundary"),
+             py::arg("boundary_samples").noconvert(), py::arg("hole_radius"),
+             py::arg("search"), py::arg("checks"), py::arg("solve"),
+             py::arg("num_threads"), py::arg("progress"));
 }
 
 }  // namespace remanifold::python

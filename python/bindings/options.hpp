@@ -68,6 +68,20 @@ inline Estimator estimator_of(const std::string& estimator) {
                               "', expected 'enclosure', 'pca' or 'jet'");
 }
 
+inline BoundaryRule boundary_rule(const std::string& boundary) {
+  if (boundary == "auto") {
+    return BoundaryRule::kAuto;
+  }
+  if (boundary == "none") {
+    return BoundaryRule::kNone;
+  }
+  if (boundary == "given") {
+    return BoundaryRule::kGiven;
+  }
+  throw std::invalid_argument("boundary is '" + boundary +
+                              "', expected 'auto', 'none' or 'given'");
+}
+
 inline EdgeRule edge_rule(const std::string& edges) {
   if (edges == "mutual") {
     return EdgeRule::kMutual;

@@ -10,6 +10,9 @@
 #include "remanifold/tangent_space.hpp"
 #include "remanifold/types.hpp"
 
+#include <cstdint>
+#include <vector>
+
 namespace remanifold {
 
 /// Bases are NaN on the boundary. Coefficients, which refer to neighbors, are left out.
@@ -23,5 +26,11 @@ Csr edge_sets_to_input(const Samples& samples, const LocalRegions& regions,
 /// simplices of a star are sorted. Offsets count simplices.
 Csr stars_to_input(const Samples& samples, const LocalRegions& regions,
                    const Execution& execution = {});
+
+/// Simplices of canonical numbers, columns ascending, to input numbers: columns ascending
+/// but for the last two, which change places where that gives the simplex its sign.
+/// Without signs all columns ascend. Rows in lexicographic order of ascending columns.
+SimplexArray to_input(const Samples& samples, const SimplexArray& simplices,
+                      const std::vector<std::int8_t>& signs);
 
 }  // namespace remanifold

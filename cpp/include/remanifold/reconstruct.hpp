@@ -4,6 +4,7 @@
 
 #include "remanifold/clique_complex.hpp"
 #include "remanifold/execution.hpp"
+#include "remanifold/manifold_complex.hpp"
 #include "remanifold/neighborhoods.hpp"
 #include "remanifold/samples.hpp"
 #include "remanifold/tangent_space.hpp"
@@ -55,6 +56,32 @@ struct Reconstruction {
 /// \throws std::invalid_argument, Cancelled
 Reconstruction reconstruct(const Samples& samples, const ReconstructOptions& options,
                            const Execution& execution = {});
+
+struct ManifoldReconstruction {
+  int dim = 0;
+  /// K-simplices: each simplex once, the lowest vertex first, rows in the order of their
+  /// vertices. Where a patch of simplices has an orientation, the order of the columns is
+  /// alike across facets; with K = D, and with K = D - 1 where the patch is closed, it
+  /// gives a positive volume.
+  SimplexArray simplices;
+  SimplexArray edges;
+  ManifoldReport report;
+  std::vector<double> tangents;        ///< N x K x D, NaN where there is none
+  std::vector<std::uint8_t> boundary;  ///< N: the sample lies on an open facet
+  std::vector<Index> representatives;  ///< N
+  SearchMethod search = SearchMethod::kAuto;
+  double recall = 1.0;
+  StepSeconds seconds;
+};
+
+/// The minimum-energy chain through what the stars agree on.
+/// \param manifold  boundary samples in the caller's numbering
+/// \throws std::invalid_argument, Cancelled, and whatever the solver throws
+ManifoldReconstruction reconstruct_manifold(const Samples& samples,
+                                            const ReconstructOptions& options,
+                                            ManifoldOptions manifold,
+                                            const ProgramSolver& solver,
+                                            const Execution& execution = {});
 
 /// How the graph's cliques differ from the stars, and what is open.
 struct PaperReport {

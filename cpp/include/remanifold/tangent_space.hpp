@@ -26,6 +26,9 @@ struct TangentOptions {
   Estimator estimator = Estimator::kEnclosure;
 };
 
+/// Neighbors for a jet: three times the unknowns of the quadratic fit.
+constexpr Index jet_neighbors(int dim) { return 3 * (dim + dim * (dim + 1) / 2); }
+
 struct TangentSpaces {
   int dim = 0;
   /// Points: size() x K x D, orthonormal rows. Empty where only products are known.

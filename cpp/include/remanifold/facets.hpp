@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The facets, (K-1)-faces, of K-simplices: which simplices share them, and orientations
+// that agree across them.
+#pragma once
+
+#include "remanifold/execution.hpp"
+#include "remanifold/types.hpp"
+
+#include <cstdint>
+#include <vector>
+
+namespace remanifold {
+
+/// Facet i of simplex s, the one that leaves out its i-th vertex, has the number
+/// s * arity + i.
+using FacetNumber = Offset;
+
+/// Facet numbers in groups that stand for the same vertices. Groups follow each other in
+/// lexicographic order of the vertices, numbers ascend within each.
+struct FacetGroups {
+  std::vector<Offset> offsets{0};
+  std::vector<FacetNumber> facets;
+
+  Offset size() const { return static_cast<Offset>(offsets.size()) - 1; }
+  Offset cofaces(Offset group) const { return offsets[group + 1] - offsets[group]; }
+};
+/// Columns of the simplices must ascend.
+FacetGroups group_facets(const SimplexArray& simplices, Index num_vertices,
+                         const Execution& execution = {});
+
+/// The vertices of a facet.
+void copy_facet(const SimplexArray& simplices, FacetNumber facet, Index* out);
+
+/// The edges of the simplices, i < j, sorted.
+SimplexArray edges_of(const SimplexArray& simplices, Index num_vertices);
+
+/// For each facet the facet of the only other simplex that has it; kOpen where no other
+/// has it, kBranching where several have.
+constexpr FacetNumber kOpen = -1;
+constexpr FacetNumber kBranching = -2;
+std::vector<FacetNumber> facet_neighbors(const SimplexArray& simplices,
+                                         Index num_vertices,
+                                         const Execution& execution = {});
+
+/// Whether two simplices on a facet, named by the facet's numbers, must have opposite
+/// signs to be oriented alike; the sign of an ascending simplex is +1.
+inline bool flips_across(FacetNumber a, FacetNumber b, int arity) {
+  return (a % arity + b % arity) % 2 == 0;
+}
+
+/// Patches: simplices connected through facets.
+struct OrientedPatches {
+  std::vector<Index> patch;        ///< of each simplex, in order of the first
+  std::vector<std::int8_t> sign;   ///< +1 or -1, alike across facets where possible
+  std::vector<Offset> sizes;       ///< simplices of each patch
+  std::vector<std::uint8_t> orientable;  ///< of each patch
+};
+OrientedPatches orient_patches(const std::vector<FacetNumber>& neighbors, int arity);
+
+}  // namespace remanifold

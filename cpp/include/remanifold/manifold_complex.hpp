@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// From the stars of all samples to a manifold: what the stars agree on is fixed, the
+// cavities between are filled by the chain of least energy, first from the disputed
+// simplices, then, where facets stay open, from more and more candidates; samples left
+// out are put back; links are checked.
+#pragma once
+
+#include "remanifold/execution.hpp"
+#include "remanifold/local_region.hpp"
+#include "remanifold/minimum_chain.hpp"
+#include "remanifold/neighborhoods.hpp"
+#include "remanifold/samples.hpp"
+#include "remanifold/tangent_space.hpp"
+#include "remanifold/types.hpp"
+
+#include <cstdint>
+#include <vector>
+
+namespace remanifold {
+
+enum class BoundaryRule {
+  kAuto,   ///< open where a hole is wider than hole_radius
+  kNone,   ///< everything is closed
+  kGiven,  ///< facets may be open where all their vertices are boundary samples
+};
+
+struct ManifoldOptions {
+  BoundaryRule boundary = BoundaryRule::kAuto;
+  std::vector<std::uint8_t> boundary_samples;  ///< size() flags for kGiven
+  /// Radius of the smallest round hole that is left open, in units of the local scale h.
+  double hole_radius = 3.2;
+  /// Agreed simplices with a circumradius up to this times h are fixed.
+  double fixed_radius = 2.5;
+  /// Simplices with a larger circumradius than this times h are never used.
+  double largest_radius = 12;
+  /// Patches of fewer fixed simplices are up for choice again (K >= 2).
+  Offset smallest_patch = 20;
+  /// Samples farther than this times h from the simplices around them are outliers.
+  double outlier_distance = 2;
+  ChainOptions chain;
+};
+
+struct ManifoldReport {
+  SimplexArray disputed;          ///< star simplices not in the stars of all their vertices
+  SimplexArray filled;            ///< simplices of the result that were not fixed
+  SimplexArray open_facets;       ///< (K-1)-faces with one coface
+  SimplexArray branching_facets;  ///< (K-1)-faces with more than two cofaces
+  std::vector<Index> singular;    ///< vertices whose link is neither sphere nor ball
+  std::vector<Index> inserted;    ///< left out by the chain, put back by subdivision
+  std::vector<Index> outliers;    ///< samples in no simplex
+  Offset agreed = 0;              ///< star simplices that all their vertices have
+  Index cavities = 0;
+  Index programs = 0;
+  Index integer_programs = 0;
+  Index unsolved = 0;
+};
+
+struct ManifoldComplex {
+  SimplexArray simplices;  ///< columns ascending, rows sorted
+  ManifoldReport report;
+};
+
+/// All in canonical numbering. Without a solver only what the search can do is done.
+ManifoldComplex build_manifold(const Samples& samples, const Neighborhoods& neighborhoods,
+                               const TangentSpaces& tangents,
+                               const LocalRegions& regions,
+                               const ManifoldOptions& options,
+                               const ProgramSolver& solver,
+                               const Execution& execution = {});
+
+/// The price of an open facet that leaves round holes of this radius open: what filling a
+/// ball of radius r costs in energy, over the size of its boundary.
+double open_price(int dim, double hole_radius);
+
+}  // namespace remanifold

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The local scale of the samples, and sizes of simplices from squared distances alone.
+#pragma once
+
+#include "remanifold/execution.hpp"
+#include "remanifold/neighborhoods.hpp"
+#include "remanifold/samples.hpp"
+#include "remanifold/types.hpp"
+
+#include <vector>
+
+namespace remanifold {
+
+/// h(x): the distance to the (2K+2)-th neighbor, smoothed by the median over x and these
+/// neighbors. Canonical lengths.
+std::vector<double> local_scales(const Samples& samples,
+                                 const Neighborhoods& neighborhoods, int dim,
+                                 const Execution& execution = {});
+
+struct SimplexMeasures {
+  double volume = 0;
+  double circumradius = 0;          ///< infinite where the simplex is flat
+  double squared_edges = 0;         ///< sum over all edges
+};
+
+/// Measures simplices one after the other.
+class SimplexRuler {
+ public:
+  SimplexRuler(const Samples& samples, const std::vector<double>& scales)
+      : samples_(samples), scales_(scales) {}
+
+  SimplexMeasures measure(const Index* vertices, int arity) const;
+  /// Mean of h over the vertices.
+  double scale(const Index* vertices, int arity) const;
+  /// Volume times sum of squared edges over h^(K+2): up to a constant the L1 distance
+  /// between |x|^2 and its linear interpolant on the simplex, which a Delaunay
+  /// triangulation minimises (Chen and Xu, Optimal Delaunay triangulations, 2004).
+  double energy(const Index* vertices, int arity) const;
+  /// Volume of a (K-1)-simplex over h^(K-1).
+  double facet_size(const Index* vertices, int arity) const;
+
+ private:
+  const Samples& samples_;
+  const std::vector<double>& scales_;
+};
+
+}  // namespace remanifold

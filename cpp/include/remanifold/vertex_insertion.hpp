@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Puts samples that no simplex uses into a complex without changing what it is: the
+// simplices on a face near the sample are replaced by those that join the sample with the
+// rest of their boundary (stellar subdivision, which keeps every manifold one).
+#pragma once
+
+#include "remanifold/execution.hpp"
+#include "remanifold/neighborhoods.hpp"
+#include "remanifold/samples.hpp"
+#include "remanifold/simplex_measures.hpp"
+#include "remanifold/types.hpp"
+
+#include <vector>
+
+namespace remanifold {
+
+struct Insertion {
+  std::vector<Index> inserted;
+  std::vector<Index> outliers;  ///< too far from all simplices of their neighbors
+};
+
+/// Samples farther than max_distance times their local scale from the simplices around
+/// their neighbors stay outside. Of all faces of the simplices nearest to a sample, the
+/// one whose subdivision has the least energy is taken. Rows of the result are sorted.
+Insertion insert_vertices(const Samples& samples, const Neighborhoods& neighborhoods,
+                          const std::vector<double>& scales, double max_distance,
+                          SimplexArray& simplices, const Execution& execution = {});
+
+}  // namespace remanifold

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The filling of least energy of one cavity, by going through all of them: the open facet
+// with the fewest candidates is closed by each in turn, or left open.
+#pragma once
+
+#include "remanifold/cavities.hpp"
+
+#include <vector>
+
+namespace remanifold::detail {
+
+class CavitySearch {
+ public:
+  explicit CavitySearch(const Cavities& cavities);
+
+  /// \returns false where max_steps did not suffice; chosen() is the best so far
+  bool run(Index cavity, Index max_steps);
+  const std::vector<Index>& chosen() const { return best_; }
+  bool leaves_open() const { return best_open_; }
+
+ private:
+  void branch(double energy);
+  bool fits(Index candidate) const;
+  void put(Index candidate, int change);
+
+  const Cavities& cavities_;
+  int arity_;
+  std::vector<std::uint8_t> cofaces_;   // of each facet
+  std::vector<std::uint8_t> conceded_;  // facets left open
+  Index cavity_ = 0;
+  Index steps_left_ = 0;
+  double best_energy_ = 0;
+  bool best_open_ = false;
+  Index num_conceded_ = 0;
+  std::vector<Index> stack_;
+  std::vector<Index> best_;
+};
+
+}  // namespace remanifold::detail

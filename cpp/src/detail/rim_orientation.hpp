@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Signs that orient the simplices around a cavity alike, by walking over shared facets:
+// tangent frames would be wrong at creases. A patch that has no orientation gets a local
+// one, by walks from the rim outwards until they meet.
+#pragma once
+
+#include "remanifold/facets.hpp"
+#include "remanifold/types.hpp"
+
+#include <cstdint>
+#include <vector>
+
+namespace remanifold::detail {
+
+class RimOrientation {
+ public:
+  RimOrientation(const SimplexArray& fixed, Index num_vertices,
+                 const Execution& execution);
+
+  /// Of some facets of fixed simplices: the sign of the simplex, and a group within which
+  /// signs agree. Groups count from 0.
+  struct Signs {
+    std::vector<std::int8_t> sign;
+    std::vector<Index> group;
+    Index num_groups = 0;
+  };
+  Signs orient(const std::vector<FacetNumber>& rims);
+
+ private:
+  void walk(const std::vector<Offset>& seeds);
+
+  int arity_;
+  std::vector<FacetNumber> neighbors_;
+  OrientedPatches patches_;
+  std::vector<Index> owner_;        // walk that reached a simplex, or -1
+  std::vector<std::int8_t> sign_;   // relative to the start of that walk
+  std::vector<Offset> reached_;
+  std::vector<Index> parent_;       // walks that met
+  std::vector<std::int8_t> parity_;
+};
+
+}  // namespace remanifold::detail

@@ -1,0 +1,325 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "remanifold/manifold_complex.hpp"
+
+#include "detail/candidates.hpp"
+#include "detail/parallel.hpp"
+#include "detail/simplex_rows.hpp"
+#include "remanifold/cavities.hpp"
+#include "remanifold/facets.hpp"
+#include "remanifold/simplex_measures.hpp"
+#include "remanifold/star_consensus.hpp"
+#include "remanifold/topology.hpp"
+#include "remanifold/vertex_insertion.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace remanifold {
+namespace {
+
+constexpr Offset kBlock = 1024;
+/// Price of an open facet where none may be.
+constexpr double kForbidden = 1e5;
+/// Price of an open facet at samples that are known to lie on the boundary.
+constexpr double kAllowed = 1;
+/// Neighbors joined by edges for the widest choice of candidates where there is no
+/// ambient Delaunay triangulation.
+constexpr int kNeighborsPerDim = 4;
+
+class ManifoldBuilder {
+ public:
+  ManifoldBuilder(const Samples& samples, const Neighborhoods& neighborhoods,
+                  const TangentSpaces& tangents, const LocalRegions& regions,
+                  const ManifoldOptions& options, const ProgramSolver& solver,
+                  const Execution& execution)
+      : samples_(samples),
+        neighborhoods_(neighborhoods),
+        tangents_(tangents),
+        regions_(regions),
+        options_(options),
+        solver_(solver),
+        execution_(execution),
+        dim_(regions.dim),
+        arity_(regions.dim + 1),
+        scales_(local_scales(samples, neighborhoods, regions.dim, execution)),
+        ruler_(samples, scales_) {}
+
+  ManifoldComplex run() {
+    fix_agreed();
+    find_unsettled();
+    pool_ = disputed_;
+    pool_.vertices.insert(pool_.vertices.end(), large_.vertices.begin(),
+                          large_.vertices.end());
+    // Each time with more candidates, for what is still open.
+    fill(false);
+    for (int widening = 0; widening < 2 && !open_region_.empty(); ++widening) {
+      widen(widening);
+      fill(widening == 1);
+    }
+    finish();
+    return std::move(result_);
+  }
+
+ private:
+  /// Splits the simplices of the stars into fixed_, disputed_ and large_.
+  void fix_agreed() {
+    StarSimplices stars = count_votes(regions_, execution_);
+    const Offset count = stars.simplices.size();
+    enum : std::uint8_t { kFixed, kLarge, kDisputed, kDropped };
+    std::vector<std::uint8_t> kind(count, kDropped);
+    detail::for_each_block_uncounted(
+        count, kBlock, execution_, [&](Offset begin, Offset end) {
+          SimplexRuler ruler(samples_, scales_);
+          for (Offset s = begin; s < end; ++s) {
+            const Index* simplex = stars.simplices[s];
+            const double radius = ruler.measure(simplex, arity_).circumradius /
+                                  ruler.scale(simplex, arity_);
+            if (stars.agreed(s) && radius <= options_.fixed_radius) {
+              kind[s] = kFixed;
+            } else if (radius <= options_.largest_radius) {
+              kind[s] = stars.agreed(s) ? kLarge : kDisputed;
+            }
+          }
+        });
+    fixed_.arity = disputed_.arity = large_.arity = pool_.arity = arity_;
+    result_.report.disputed.arity = arity_;
+    for (Offset s = 0; s < count; ++s) {
+      const Index* simplex = stars.simplices[s];
+      result_.report.agreed += stars.agreed(s) ? 1 : 0;
+      if (!stars.agreed(s)) {
+        detail::append_row(result_.report.disputed, simplex);
+      }
+      if (kind[s] != kDropped) {
+        detail::append_row(kind[s] == kFixed   ? fixed_
+                           : kind[s] == kLarge ? large_
+                                               : disputed_,
+                           simplex);
+      }
+    }
+    stars = {};
+    free_small_patches();
+  }
+
+  /// Small patches have an orientation of their own, which may be wrong, and facets with
+  /// more than two cofaces cannot stay.
+  void free_small_patches() {
+    const std::vector<FacetNumber> neighbors =
+        facet_neighbors(fixed_, samples_.size(), execution_);
+    std::vector<std::uint8_t> freed(fixed_.size(), 0);
+    for (std::size_t f = 0; f < neighbors.size(); ++f) {
+      if (neighbors[f] == kBranching) {
+        freed[f / arity_] = 1;
+      }
+    }
+    if (dim_ > 1) {
+      const OrientedPatches patches = orient_patches(neighbors, arity_);
+      const Offset largest =
+          patches.sizes.empty()
+              ? 0
+              : *std::max_element(patches.sizes.begin(), patches.sizes.end());
+      for (Offset s = 0; s < fixed_.size(); ++s) {
+        const Offset size = patches.sizes[patches.patch[s]];
+        if (size < options_.smallest_patch && size < largest) {
+          freed[s] = 1;
+        }
+      }
+    }
+    for (Offset s = 0; s < fixed_.size(); ++s) {
+      if (freed[s] != 0) {
+        detail::append_row(disputed_, fixed_[s]);
+      }
+    }
+    detail::erase_rows(fixed_, freed);
+    num_agreed_ = fixed_.size();
+  }
+
+  /// A sample whose star is all fixed has no open facet, nor room for a candidate.
+  void find_unsettled() {
+    const auto n = static_cast<std::size_t>(samples_.size());
+    std::vector<Offset> fixed_cofaces(n, 0);
+    for (const Index v : fixed_.vertices) {
+      ++fixed_cofaces[v];
+    }
+    unsettled_.assign(n, 0);
+    for (Index x = 0; x < samples_.size(); ++x) {
+      const bool whole = tangents_.boundary[x] == 0 &&
+                         std::isfinite(regions_.squared_radii[x]) &&
+                         fixed_cofaces[x] ==
+                             regions_.star_offsets[x + 1] - regions_.star_offsets[x];
+      unsettled_[x] = whole ? 0 : 1;
+    }
+  }
+
+  /// Fills the cavities from the pool. What stays open is left for the next time, unless
+  /// this is the last.
+  void fill(bool last) {
+    const auto price = [&](const Index* facet) { return price_of(facet); };
+    SimplexArray near{arity_, {}};
+    std::vector<Offset> numbers;
+    for (Offset s = 0; s < fixed_.size(); ++s) {
+      const Index* simplex = fixed_[s];
+      const auto inside = std::count_if(simplex, simplex + arity_, [&](Index v) {
+        return unsettled_[v] != 0;
+      });
+      if (inside >= dim_) {
+        detail::append_row(near, simplex);
+        numbers.push_back(s);
+      }
+    }
+    Cavities cavities =
+        find_cavities(near, unsettled_, pool_, ruler_, price, execution_);
+    for (FacetNumber& rim : cavities.rims) {
+      if (rim != kOpen) {
+        rim = numbers[rim / arity_] * arity_ + rim % arity_;
+      }
+    }
+    const ChainFill chain = fill_cavities(cavities, fixed_, samples_.size(),
+                                          options_.chain, solver_, execution_);
+    result_.report.cavities += chain.searched + chain.programs;
+    result_.report.programs += chain.programs;
+    result_.report.integer_programs += chain.integer_programs;
+    result_.report.unsolved += chain.unsolved;
+
+    std::vector<Index> cavity_of(cavities.energies.size());
+    pool_.vertices.clear();
+    open_region_.clear();
+    for (Index c = 0; c < cavities.count(); ++c) {
+      for (Offset i = 0; i < cavities.candidates_in.size(c); ++i) {
+        cavity_of[cavities.candidates_in.begin(c)[i]] = c;
+      }
+      if (chain.open[c] == 0) {
+        continue;
+      }
+      for (Offset i = 0; i < cavities.candidates_in.size(c); ++i) {
+        const Index* simplex = cavities.candidates[cavities.candidates_in.begin(c)[i]];
+        detail::append_row(pool_, simplex);
+        open_region_.insert(open_region_.end(), simplex, simplex + arity_);
+      }
+    }
+    std::vector<Index> facet(dim_);
+    for (const FacetNumber f : cavities.dead_ends) {
+      copy_facet(near, f, facet.data());
+      open_region_.insert(open_region_.end(), facet.begin(), facet.end());
+    }
+    std::sort(open_region_.begin(), open_region_.end());
+    open_region_.erase(std::unique(open_region_.begin(), open_region_.end()),
+                       open_region_.end());
+    for (const Index c : chain.chosen) {
+      if (last || chain.open[cavity_of[c]] == 0) {
+        detail::append_row(fixed_, cavities.candidates[c]);
+      }
+    }
+  }
+
+  double price_of(const Index* facet) {
+    const double size = ruler_.facet_size(facet, dim_);
+    if (options_.boundary == BoundaryRule::kAuto) {
+      return size * open_price(dim_, options_.hole_radius);
+    }
+    const bool allowed =
+        options_.boundary == BoundaryRule::kGiven &&
+        std::all_of(facet, facet + dim_,
+                    [&](Index v) { return options_.boundary_samples[v] != 0; });
+    return size * (allowed ? kAllowed : kForbidden);
+  }
+
+  /// More candidates around what is open: first all cliques of the edges that some star
+  /// has, then the ambient Delaunay triangulation or, where there is none, all cliques of
+  /// near neighbors.
+  void widen(int step) {
+    std::vector<std::uint8_t> marked(samples_.size(), 0);
+    for (const Index v : open_region_) {
+      marked[v] = 1;
+    }
+    SimplexArray more{arity_, {}};
+    if (step == 1 && samples_.has_points() && samples_.ambient_dim() <= 3 &&
+        samples_.ambient_dim() > 1) {
+      more = detail::delaunay_faces(samples_, open_region_, dim_);
+    } else {
+      std::vector<Index> pairs;
+      for (const SimplexArray* simplices : {&fixed_, &disputed_, &large_}) {
+        detail::append_edges(*simplices, marked, pairs);
+      }
+      if (step == 1) {
+        detail::append_neighbor_edges(neighborhoods_, kNeighborsPerDim * dim_,
+                                      open_region_, marked, pairs);
+      }
+      more = detail::cliques_of(pairs, dim_, execution_);
+    }
+    for (Offset s = 0; s < more.size(); ++s) {
+      const Index* simplex = more[s];
+      if (ruler_.measure(simplex, arity_).circumradius <=
+          options_.largest_radius * ruler_.scale(simplex, arity_)) {
+        detail::append_row(pool_, simplex);
+      }
+    }
+    for (const Index v : open_region_) {
+      unsettled_[v] = 1;
+    }
+  }
+
+  void finish() {
+    ManifoldReport& report = result_.report;
+    report.filled.arity = arity_;
+    report.filled.vertices.assign(
+        fixed_.vertices.begin() + num_agreed_ * arity_, fixed_.vertices.end());
+    result_.simplices = detail::sorted_unique(fixed_);
+    Insertion insertion =
+        insert_vertices(samples_, neighborhoods_, scales_, options_.outlier_distance,
+                        result_.simplices, execution_);
+    report.inserted = std::move(insertion.inserted);
+    report.outliers = std::move(insertion.outliers);
+    report.open_facets.arity = report.branching_facets.arity = dim_;
+    const FacetGroups groups =
+        group_facets(result_.simplices, samples_.size(), execution_);
+    std::vector<Index> facet(dim_);
+    for (Offset g = 0; g < groups.size(); ++g) {
+      if (groups.cofaces(g) != 2) {
+        copy_facet(result_.simplices, groups.facets[groups.offsets[g]], facet.data());
+        detail::append_row(
+            groups.cofaces(g) == 1 ? report.open_facets : report.branching_facets,
+            facet.data());
+      }
+    }
+  }
+
+  const Samples& samples_;
+  const Neighborhoods& neighborhoods_;
+  const TangentSpaces& tangents_;
+  const LocalRegions& regions_;
+  const ManifoldOptions& options_;
+  const ProgramSolver& solver_;
+  const Execution& execution_;
+  int dim_;
+  int arity_;
+  std::vector<double> scales_;
+  SimplexRuler ruler_;
+
+  SimplexArray fixed_;     // agreed simplices, then those chosen
+  SimplexArray disputed_;  // simplices of some stars
+  SimplexArray large_;     // agreed on, but large
+  SimplexArray pool_;      // candidates
+  Offset num_agreed_ = 0;
+  std::vector<std::uint8_t> unsettled_;  // samples at which facets may be open
+  std::vector<Index> open_region_;       // samples around what stayed open, ascending
+  ManifoldComplex result_;
+};
+
+}  // namespace
+
+double open_price(int dim, double hole_radius) {
+  return 2.0 * (dim + 1) / dim * hole_radius * hole_radius * hole_radius;
+}
+
+ManifoldComplex build_manifold(const Samples& samples, const Neighborhoods& neighborhoods,
+                               const TangentSpaces& tangents,
+                               const LocalRegions& regions,
+                               const ManifoldOptions& options,
+                               const ProgramSolver& solver, const Execution& execution) {
+  return ManifoldBuilder(samples, neighborhoods, tangents, regions, options, solver,
+                         execution)
+      .run();
+}
+
+}  // namespace remanifold

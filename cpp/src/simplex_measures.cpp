@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "remanifold/simplex_measures.hpp"
+
+#include "detail/parallel.hpp"
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace remanifold {
+namespace {
+
+constexpr Offset kBlock = 1024;
+/// Squared volume, in units of a regular simplex of the same edges, below which a simplex
+/// has no circumcenter.
+constexpr double kFlat = 1e-20;
+
+constexpr int kMaxDim = 16;
+using Small =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxDim, kMaxDim>;
+
+}  // namespace
+
+std::vector<double> local_scales(const Samples& samples,
+                                 const Neighborhoods& neighborhoods, int dim,
+                                 const Execution& execution) {
+  const Index n = samples.size();
+  const Index count = std::min<Index>(2 * dim + 2, neighborhoods.count);
+  std::vector<double> raw(n, 0.0);
+  std::vector<double> scales(n, 0.0);
+  if (count == 0) {
+    return scales;
+  }
+  detail::for_each_block_uncounted(n, kBlock, execution, [&](Offset begin, Offset end) {
+    for (Offset i = begin; i < end; ++i) {
+      const auto x = static_cast<Index>(i);
+      raw[x] = std::sqrt(
+          samples.squared_distance(x, neighborhoods.of(x)[count - 1]));
+    }
+  });
+  detail::for_each_block_uncounted(n, kBlock, execution, [&](Offset begin, Offset end) {
+    std::vector<double> near(count + 1);
+    for (Offset i = begin; i < end; ++i) {
+      const auto x = static_cast<Index>(i);
+      near[0] = raw[x];
+      for (Index k = 0; k < count; ++k) {
+        near[k + 1] = raw[neighborhoods.of(x)[k]];
+      }
+      const auto middle = near.begin() + count / 2;
+      std::nth_element(near.begin(), middle, near.end());
+      scales[x] = *middle;
+    }
+  });
+  return scales;
+}
+
+SimplexMeasures SimplexRuler::measure(const Index* vertices, int arity) const {
+  SimplexMeasures result;
+  const int dim = arity - 1;
+  if (dim == 0) {
+    result.volume = 1;
+    return result;
+  }
+  Small gram(dim, dim);
+  for (int i = 0; i < dim; ++i) {
+    gram(i, i) = samples_.squared_distance(vertices[0], vertices[i + 1]);
+    result.squared_edges += gram(i, i);
+  }
+  double product = 1;
+  for (int i = 0; i < dim; ++i) {
+    for (int j = 0; j < i; ++j) {
+      const double squared = samples_.squared_distance(vertices[i + 1], vertices[j + 1]);
+      result.squared_edges += squared;
+      gram(i, j) = gram(j, i) = (gram(i, i) + gram(j, j) - squared) / 2;
+    }
+    product *= gram(i, i);
+  }
+  const Eigen::LDLT<Small> factors(gram);
+  const double determinant = factors.vectorD().prod();
+  double factorial = 1;
+  for (int i = 2; i <= dim; ++i) {
+    factorial *= i;
+  }
+  result.volume = determinant > 0 ? std::sqrt(determinant) / factorial : 0;
+  if (!(determinant > kFlat * product)) {
+    result.circumradius = std::numeric_limits<double>::infinity();
+    return result;
+  }
+  const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxDim, 1> half =
+      gram.diagonal() / 2;
+  result.circumradius = std::sqrt(std::max(0.0, half.dot(factors.solve(half))));
+  return result;
+}
+
+double SimplexRuler::scale(const Index* vertices, int arity) const {
+  double sum = 0;
+  for (int i = 0; i < arity; ++i) {
+    sum += scales_[vertices[i]];
+  }
+  return sum / arity;
+}
+
+double SimplexRuler::energy(const Index* vertices, int arity) const {
+  const SimplexMeasures measures = measure(vertices, arity);
+  return measures.volume * measures.squared_edges /
+         std::pow(scale(vertices, arity), arity + 1);
+}
+
+double SimplexRuler::facet_size(const Index* vertices, int arity) const {
+  return measure(vertices, arity).volume / std::pow(scale(vertices, arity), arity - 1);
+}
+
+}  // namespace remanifold

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Linear and integer programs of the core, solved by HiGHS.
+
+Q. Huangfu and J. A. J. Hall, Parallelizing the dual revised simplex method,
+Mathematical Programming Computation 10, 2018; MIT licence.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import highspy
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+# Counted, not timed: the same input gives the same result on any machine.
+MAX_NODES = 2000
+
+
+def solve_program(
+    costs: NDArray[np.float64],
+    upper: NDArray[np.float64],
+    integral: NDArray[np.uint8],
+    row_lower: NDArray[np.float64],
+    row_upper: NDArray[np.float64],
+    offsets: NDArray[np.int64],
+    columns: NDArray[np.int32],
+    values: NDArray[np.float64],
+    cancelled: Callable[[], bool],
+) -> NDArray[np.float64]:
+    """Minimise costs @ x where row_lower <= A x <= row_upper and 0 <= x <= upper.
+
+    Parameters
+    ----------
+    costs, upper : ndarray, shape (n,), float64
+        Of each column.
+    integral : ndarray, shape (n,) or (0,), uint8
+        Columns that must be integers.
+    row_lower, row_upper : ndarray, shape (m,), float64
+        May be infinite.
+    offsets, columns, values : ndarray
+        A by rows, compressed.
+    cancelled : callable
+        Looked at now and then; the solver stops when it returns true.
+
+    Returns
+    -------
+    ndarray, shape (n,) or (0,), float64
+        Nothing where no solution was found within `MAX_NODES` nodes.
+    """
+    program = highspy.HighsLp()
+    program.num_col_ = len(costs)
+    program.num_row_ = len(row_lower)
+    program.col_cost_ = costs
+    program.col_lower_ = np.zeros(len(costs))
+    program.col_upper_ = upper
+    program.row_lower_ = row_lower
+    program.row_upper_ = row_upper
+    program.a_matrix_.format_ = highspy.MatrixFormat.kRowwise
+    program.a_matrix_.start_ = offsets.astype(np.int32)
+    program.a_matrix_.index_ = columns
+    program.a_matrix_.value_ = values
+    if len(integral):
+        program.integrality_ = [
+            highspy.HighsVarType.kInteger if i else highspy.HighsVarType.kContinuous
+            for i in integral
+        ]
+    solver = highspy.Highs()
+    solver.setOptionValue("output_flag", False)
+    solver.setOptionValue("threads", 1)
+    solver.setOptionValue("mip_max_nodes", MAX_NODES)
+    solver.setOptionValue("mip_rel_gap", 1e-9)
+
+    def stop_if_cancelled(event: highspy.HighsCallbackEvent) -> None:
+        if cancelled():
+            event.interrupt()
+
+    solver.cbSimplexInterrupt += stop_if_cancelled
+    solver.cbIpmInterrupt += stop_if_cancelled
+    solver.cbMipInterrupt += stop_if_cancelled
+    solver.passModel(program)
+    solver.run()
+    if solver.getInfo().primal_solution_status != 2:  # feasible
+        return np.empty(0)
+    return np.array(solver.getSolution().col_value)
