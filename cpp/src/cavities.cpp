@@ -29,8 +29,8 @@ Csr to_csr(Index rows, const std::vector<Index>& row_of) {
 /// The facets inside, of fixed simplices and candidates together.
 struct FacetTable {
   FacetGroups groups;
-  std::vector<Index> fixed_cofaces;    // of each group
-  std::vector<std::uint8_t> counted;   // all its vertices are inside
+  std::vector<Index> fixed_cofaces;   // of each group
+  std::vector<std::uint8_t> counted;  // all its vertices are inside
 };
 
 FacetTable make_table(const SimplexArray& all, Offset num_fixed,

@@ -143,10 +143,9 @@ class ManifoldBuilder {
     }
     unsettled_.assign(n, 0);
     for (Index x = 0; x < samples_.size(); ++x) {
-      const bool whole = tangents_.boundary[x] == 0 &&
-                         std::isfinite(regions_.squared_radii[x]) &&
-                         fixed_cofaces[x] ==
-                             regions_.star_offsets[x + 1] - regions_.star_offsets[x];
+      const bool whole =
+          tangents_.boundary[x] == 0 && std::isfinite(regions_.squared_radii[x]) &&
+          fixed_cofaces[x] == regions_.star_offsets[x + 1] - regions_.star_offsets[x];
       unsettled_[x] = whole ? 0 : 1;
     }
   }
@@ -159,9 +158,8 @@ class ManifoldBuilder {
     std::vector<Offset> numbers;
     for (Offset s = 0; s < fixed_.size(); ++s) {
       const Index* simplex = fixed_[s];
-      const auto inside = std::count_if(simplex, simplex + arity_, [&](Index v) {
-        return unsettled_[v] != 0;
-      });
+      const auto inside = std::count_if(simplex, simplex + arity_,
+                                        [&](Index v) { return unsettled_[v] != 0; });
       if (inside >= dim_) {
         detail::append_row(near, simplex);
         numbers.push_back(s);
@@ -217,10 +215,10 @@ class ManifoldBuilder {
     if (options_.boundary == BoundaryRule::kAuto) {
       return size * open_price(dim_, options_.hole_radius);
     }
-    const bool allowed =
-        options_.boundary == BoundaryRule::kGiven &&
-        std::all_of(facet, facet + dim_,
-                    [&](Index v) { return options_.boundary_samples[v] != 0; });
+    const bool allowed = options_.boundary == BoundaryRule::kGiven &&
+                         std::all_of(facet, facet + dim_, [&](Index v) {
+                           return options_.boundary_samples[v] != 0;
+                         });
     return size * (allowed ? kAllowed : kForbidden);
   }
 
@@ -262,14 +260,29 @@ class ManifoldBuilder {
   void finish() {
     ManifoldReport& report = result_.report;
     report.filled.arity = arity_;
-    report.filled.vertices.assign(
-        fixed_.vertices.begin() + num_agreed_ * arity_, fixed_.vertices.end());
+    report.filled.vertices.assign(fixed_.vertices.begin() + num_agreed_ * arity_,
+                                  fixed_.vertices.end());
     result_.simplices = detail::sorted_unique(fixed_);
     Insertion insertion =
         insert_vertices(samples_, neighborhoods_, scales_, options_.outlier_distance,
                         result_.simplices, execution_);
     report.inserted = std::move(insertion.inserted);
     report.outliers = std::move(insertion.outliers);
+    for (const Index v : report.inserted) {
+      unsettled_[v] = 1;
+    }
+    // Around what was inserted, links have changed as well.
+    std::vector<std::uint8_t> marked = unsettled_;
+    for (Offset s = 0; s < result_.simplices.size(); ++s) {
+      const Index* simplex = result_.simplices[s];
+      if (std::any_of(simplex, simplex + arity_,
+                      [&](Index v) { return unsettled_[v] != 0; })) {
+        for (int i = 0; i < arity_; ++i) {
+          marked[simplex[i]] = 1;
+        }
+      }
+    }
+    report.singular = singular_vertices(result_.simplices, marked, execution_);
     report.open_facets.arity = report.branching_facets.arity = dim_;
     const FacetGroups groups =
         group_facets(result_.simplices, samples_.size(), execution_);
@@ -312,11 +325,13 @@ double open_price(int dim, double hole_radius) {
   return 2.0 * (dim + 1) / dim * hole_radius * hole_radius * hole_radius;
 }
 
-ManifoldComplex build_manifold(const Samples& samples, const Neighborhoods& neighborhoods,
+ManifoldComplex build_manifold(const Samples& samples,
+                               const Neighborhoods& neighborhoods,
                                const TangentSpaces& tangents,
                                const LocalRegions& regions,
                                const ManifoldOptions& options,
-                               const ProgramSolver& solver, const Execution& execution) {
+                               const ProgramSolver& solver,
+                               const Execution& execution) {
   return ManifoldBuilder(samples, neighborhoods, tangents, regions, options, solver,
                          execution)
       .run();

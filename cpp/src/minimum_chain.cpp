@@ -24,7 +24,9 @@ constexpr Index kAllSigns = 4;
 class OrientedProgram {
  public:
   OrientedProgram(const Cavities& cavities, std::vector<Index> which)
-      : cavities_(cavities), which_(std::move(which)), arity_(cavities.candidates.arity) {
+      : cavities_(cavities),
+        which_(std::move(which)),
+        arity_(cavities.candidates.arity) {
     for (const Index cavity : which_) {
       candidates_.insert(candidates_.end(), cavities.candidates_in.begin(cavity),
                          cavities.candidates_in.end(cavity));
@@ -125,8 +127,8 @@ class OrientedProgram {
   }
 
   int position_of(Index facet, Index candidate) const {
-    const Index* facets = cavities_.facets_of.data() +
-                          static_cast<std::size_t>(candidate) * arity_;
+    const Index* facets =
+        cavities_.facets_of.data() + static_cast<std::size_t>(candidate) * arity_;
     return static_cast<int>(std::find(facets, facets + arity_, facet) - facets);
   }
 
@@ -215,17 +217,18 @@ class ChainSolver {
     std::vector<std::uint8_t> finished(count, 0);
     detail::PerThread<detail::CavitySearch> searches(
         [&] { return detail::CavitySearch(cavities_); });
-    detail::for_each_block_uncounted(count, kBlock, execution_, [&](Offset begin, Offset end) {
-      detail::CavitySearch& search = searches.local();
-      for (Offset c = begin; c < end; ++c) {
-        const auto cavity = static_cast<Index>(c);
-        if (is_searched(cavity)) {
-          execution_.poll();
-          finished[c] = search.run(cavity, options_.search_steps) ? 1 : 0;
-          chosen[c] = search.chosen();
-        }
-      }
-    });
+    detail::for_each_block_uncounted(
+        count, kBlock, execution_, [&](Offset begin, Offset end) {
+          detail::CavitySearch& search = searches.local();
+          for (Offset c = begin; c < end; ++c) {
+            const auto cavity = static_cast<Index>(c);
+            if (is_searched(cavity)) {
+              execution_.poll();
+              finished[c] = search.run(cavity, options_.search_steps) ? 1 : 0;
+              chosen[c] = search.chosen();
+            }
+          }
+        });
     for (Index c = 0; c < count; ++c) {
       if (finished[c] != 0 || !solver_) {
         fill_.searched += finished[c];

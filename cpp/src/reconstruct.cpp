@@ -126,7 +126,8 @@ std::vector<std::int8_t> orient(const Samples& samples, const SimplexArray& simp
     const Index patch = patches.patch[s];
     if (patches.orientable[patch] != 0) {
       const double turn = volume[patch] != 0 ? volume[patch] : first[patch];
-      signs[s] = static_cast<std::int8_t>(turn < 0 ? -patches.sign[s] : patches.sign[s]);
+      signs[s] =
+          static_cast<std::int8_t>(turn < 0 ? -patches.sign[s] : patches.sign[s]);
     }
   }
   return signs;

@@ -36,8 +36,7 @@ std::vector<double> local_scales(const Samples& samples,
   detail::for_each_block_uncounted(n, kBlock, execution, [&](Offset begin, Offset end) {
     for (Offset i = begin; i < end; ++i) {
       const auto x = static_cast<Index>(i);
-      raw[x] = std::sqrt(
-          samples.squared_distance(x, neighborhoods.of(x)[count - 1]));
+      raw[x] = std::sqrt(samples.squared_distance(x, neighborhoods.of(x)[count - 1]));
     }
   });
   detail::for_each_block_uncounted(n, kBlock, execution, [&](Offset begin, Offset end) {
@@ -71,7 +70,8 @@ SimplexMeasures SimplexRuler::measure(const Index* vertices, int arity) const {
   double product = 1;
   for (int i = 0; i < dim; ++i) {
     for (int j = 0; j < i; ++j) {
-      const double squared = samples_.squared_distance(vertices[i + 1], vertices[j + 1]);
+      const double squared =
+          samples_.squared_distance(vertices[i + 1], vertices[j + 1]);
       result.squared_edges += squared;
       gram(i, j) = gram(j, i) = (gram(i, i) + gram(j, j) - squared) / 2;
     }

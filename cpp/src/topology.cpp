@@ -440,6 +440,57 @@ Topology compute_topology(const SimplexArray& simplices, Index num_vertices,
   return result;
 }
 
+std::vector<Index> singular_vertices(const SimplexArray& simplices,
+                                     const std::vector<std::uint8_t>& marked,
+                                     const Execution& execution) {
+  std::vector<Index> vertices;
+  std::vector<Offset> offsets(1, 0);
+  std::vector<Index> number(marked.size(), -1);
+  for (std::size_t v = 0; v < marked.size(); ++v) {
+    if (marked[v] != 0) {
+      number[v] = static_cast<Index>(vertices.size());
+      vertices.push_back(static_cast<Index>(v));
+    }
+  }
+  offsets.resize(vertices.size() + 1, 0);
+  for (const Index v : simplices.vertices) {
+    if (number[v] >= 0) {
+      ++offsets[number[v] + 1];
+    }
+  }
+  std::partial_sum(offsets.begin(), offsets.end(), offsets.begin());
+  std::vector<Offset> stars(offsets.back());
+  std::vector<Offset> next(offsets.begin(), offsets.end() - 1);
+  for (std::size_t i = 0; i < simplices.vertices.size(); ++i) {
+    const Index n = number[simplices.vertices[i]];
+    if (n >= 0) {
+      stars[next[n]++] = static_cast<Offset>(i) / simplices.arity;
+    }
+  }
+  std::vector<std::uint8_t> singular(vertices.size(), 0);
+  detail::for_each_block_uncounted(
+      static_cast<Offset>(vertices.size()), 64, execution,
+      [&](Offset begin, Offset end) {
+        for (Offset n = begin; n < end; ++n) {
+          SimplexArray link{simplices.arity - 1, {}};
+          for (Offset i = offsets[n]; i < offsets[n + 1]; ++i) {
+            const Index* simplex = simplices[stars[i]];
+            std::copy_if(simplex, simplex + simplices.arity,
+                         std::back_inserter(link.vertices),
+                         [&](Index w) { return w != vertices[n]; });
+          }
+          singular[n] = link.size() > 0 && !is_sphere_or_ball(link) ? 1 : 0;
+        }
+      });
+  std::vector<Index> result;
+  for (std::size_t n = 0; n < vertices.size(); ++n) {
+    if (singular[n] != 0) {
+      result.push_back(vertices[n]);
+    }
+  }
+  return result;
+}
+
 OpenFaces find_open_faces(const Faces& faces,
                           const std::vector<std::uint8_t>& boundary) {
   OpenFaces result;

@@ -3,6 +3,8 @@
 #include "remanifold/remanifold.hpp"
 #include "run.hpp"
 
+#include <algorithm>
+
 namespace remanifold::python {
 namespace {
 
@@ -32,6 +34,18 @@ py::dict topology(const InputArray<Index>& simplices, Index num_vertices,
 
 py::array component_labels(const InputArray<Index>& simplices, Index num_vertices) {
   return to_numpy(connected_components(simplex_array(simplices), num_vertices).labels);
+}
+
+/// The connected set each face belongs to, as in OpenFaces.
+py::array face_sets(const InputArray<Index>& faces) {
+  Faces open{simplex_array(faces), {}};
+  open.cofaces.assign(open.simplices.size(), 1);
+  const Index largest = open.simplices.vertices.empty()
+                            ? 0
+                            : *std::max_element(open.simplices.vertices.begin(),
+                                                open.simplices.vertices.end());
+  OpenFaces sets = find_open_faces(open, std::vector<std::uint8_t>(largest + 1, 0));
+  return to_numpy(std::move(sets.set));
 }
 
 py::dict report(const InputArray<Index>& simplices,
@@ -65,6 +79,7 @@ void bind_topology(py::module_& module) {
              py::arg("num_vertices"), py::arg("num_threads"), py::arg("progress"));
   module.def("component_labels", &component_labels, py::arg("simplices").noconvert(),
              py::arg("num_vertices"));
+  module.def("face_sets", &face_sets, py::arg("faces").noconvert());
   module.def(
       "paper_report", &report, py::arg("simplices").noconvert(),
       py::arg("edge_set_offsets").noconvert(), py::arg("edge_set_indices").noconvert(),

@@ -143,6 +143,39 @@ def check_choice(value: Any, name: str, choices: tuple[str, ...]) -> str:
     return value
 
 
+def check_positive(value: Any, name: str) -> float:
+    """Accept a number above zero."""
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        msg = f"{name} must be a number, got {value!r}"
+        raise TypeError(msg) from None
+    if not (number > 0 and np.isfinite(number)):
+        msg = f"{name} is {value!r}, expected a positive finite number"
+        raise ValueError(msg)
+    return number
+
+
+def check_boundary(boundary: Any, num_samples: int) -> tuple[str, NDArray[np.bool_]]:
+    """Turn "auto", False or a mask into the core's rule and a mask."""
+    none = np.zeros(0, dtype=np.bool_)
+    if isinstance(boundary, str) and boundary == "auto":
+        return "auto", none
+    if boundary is False or (isinstance(boundary, np.bool_) and not boundary):
+        return "none", none
+    if isinstance(boundary, (str, bool, np.bool_)) or boundary is None:
+        msg = f'boundary is {boundary!r}, expected "auto", False or a mask'
+        raise ValueError(msg)
+    mask = _as_array(boundary, "boundary")
+    if mask.shape != (num_samples,) or mask.dtype != np.bool_:
+        msg = (
+            f"boundary must be a bool array of shape ({num_samples},), got shape "
+            f"{mask.shape}, dtype {mask.dtype}"
+        )
+        raise ValueError(msg)
+    return "given", np.ascontiguousarray(mask)
+
+
 def check_index_array(
     values: ArrayLike, name: str, dtype: type[np.signedinteger[Any]]
 ) -> NDArray[Any]:

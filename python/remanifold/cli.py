@@ -97,7 +97,7 @@ def reconstruct(
             "dimension.",
         ),
     ],
-    method: Annotated[str, _choice(METHODS, "Method.")] = "paper",
+    method: Annotated[str, _choice(METHODS, "Method.")] = "manifold",
     num_neighbors: Annotated[
         int | None,
         typer.Option(

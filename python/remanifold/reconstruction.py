@@ -4,20 +4,24 @@
 from __future__ import annotations
 
 import functools
-from dataclasses import dataclass
+import warnings
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from remanifold import _core
+from remanifold._programs import solve_program
 from remanifold._progress import progress_callback
 from remanifold._read_only import ReadOnlyArrays
 from remanifold._validation import (
+    check_boundary,
     check_choice,
     check_dim,
     check_int,
     check_num_neighbors,
     check_num_threads,
+    check_positive,
     check_samples,
 )
 from remanifold.steps import (
@@ -30,56 +34,98 @@ from remanifold.steps import (
     warn_of_recall,
 )
 from remanifold.topology import Topology, topology_of
+from remanifold.warnings import ManifoldWarning
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from remanifold._progress import Callback
 
-METHODS = ("paper",)
+METHODS = ("manifold", "paper")
 
 
 @dataclass(frozen=True, eq=False)
 class Repair(ReadOnlyArrays):
-    """What the result lacks or has too much of.
+    """What was disputed, what was done about it, and what the result lacks.
 
-    The paper's method repairs nothing; this says what it leaves.
+    The paper's method repairs nothing: there this says what it leaves.
 
     Attributes
     ----------
     method : str
         Method of the reconstruction.
+    open_faces : ndarray, shape (H, K), int32
+        (K-1)-faces in one simplex only.
+    num_boundary_components : int
+        Connected sets of open faces that count as boundary. Manifold method: all with
+        ``boundary="auto"``, those within the mask with a mask, none with
+        ``boundary=False``. Paper: those with a vertex that is a boundary sample or has
+        one in its edge set.
+    num_holes : int
+        The other connected sets of open faces.
     callous_faces : ndarray, shape (F, K), int32
         (K-1)-faces in more than two simplices.
     unstarred_simplices : ndarray, shape (U, K+1), int32
-        Simplices that are cliques of the graph but in the star of none of their
+        Paper: simplices that are cliques of the graph but in the star of none of their
         vertices.
-    open_faces : ndarray, shape (H, K), int32
-        (K-1)-faces in one simplex only.
-    num_holes : int
-        Connected sets of open faces away from all boundary samples.
-    num_boundary_components : int
-        Connected sets of open faces with a vertex that is a boundary sample or has one
-        in its edge set.
+    singular_vertices : ndarray of int32
+        Manifold method: vertices whose link is neither a sphere nor a ball, by the same
+        test as `Topology.singular_vertices` up to K = 3.
     unused_vertices : ndarray of int32
-        Samples in no simplex; merged copies are not listed.
+        Samples in no simplex; merged copies are not listed. With the manifold method
+        they are outliers, too far from all simplices around their neighbors.
     merged_samples : int
         Samples that coincide with one of lower index and were merged with it.
+    num_agreed : int
+        Manifold method: star simplices that are in the stars of all their vertices.
+    disputed_simplices : ndarray, shape (P, K+1), int32
+        Manifold method: star simplices that are not.
+    filled_simplices : ndarray, shape (C, K+1), int32
+        Manifold method: simplices that the chain of least energy chose.
+    inserted_vertices : ndarray of int32
+        Manifold method: samples that the chain left out, put back by subdivision.
+    num_cavities, num_programs, num_integer_programs : int
+        Manifold method: cavities filled; those of them that were linear programs, and
+        integer programs.
+    num_unsolved : int
+        Programs without a solution within the solver's limits.
     """
 
     method: str
+    open_faces: NDArray[np.int32]
+    num_boundary_components: int
+    num_holes: int
     callous_faces: NDArray[np.int32]
     unstarred_simplices: NDArray[np.int32]
-    open_faces: NDArray[np.int32]
-    num_holes: int
-    num_boundary_components: int
+    singular_vertices: NDArray[np.int32]
     unused_vertices: NDArray[np.int32]
     merged_samples: int
+    num_agreed: int
+    disputed_simplices: NDArray[np.int32]
+    filled_simplices: NDArray[np.int32]
+    inserted_vertices: NDArray[np.int32]
+    num_cavities: int
+    num_programs: int
+    num_integer_programs: int
+    num_unsolved: int
 
     @property
     def num_callouses(self) -> int:
         """Faces in more than two simplices, and cliques in no star."""
         return len(self.callous_faces) + len(self.unstarred_simplices)
+
+    def remaining(self) -> list[tuple[str, tuple[int, ...]]]:
+        """All that is left to mend: the reason and the vertices of each place."""
+        return [
+            *(("open face", tuple(f)) for f in self.open_faces.tolist()),
+            *(("callous face", tuple(f)) for f in self.callous_faces.tolist()),
+            *(
+                ("unstarred simplex", tuple(s))
+                for s in self.unstarred_simplices.tolist()
+            ),
+            *(("singular vertex", (v,)) for v in self.singular_vertices.tolist()),
+            *(("unused vertex", (v,)) for v in self.unused_vertices.tolist()),
+        ]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -92,26 +138,22 @@ class Reconstruction(ReadOnlyArrays):
         The samples, a view of the given array where that was C-contiguous float64; None
         where only `gram` or `distances` were given.
     simplices : ndarray, shape (M, K+1), int32
-        K-simplices, columns ascending, rows sorted.
+        K-simplices, the lowest vertex first, rows in the order of their sorted vertices.
+        Manifold method: where a set of simplices connected through faces is orientable,
+        the order of the columns orients them alike, with positive volume where K = D and
+        where K = D - 1 and the set is closed (outward normals). Paper: columns ascend.
     edges : ndarray, shape (E, 2), int32
-        Edges of the graph whose cliques are the simplices, i < j, sorted.
+        Edges of the simplices (paper: of the graph whose cliques they are), i < j,
+        sorted.
     boundary : ndarray, shape (N,), bool
-        Samples without a tangent basis, the paper's BD.
+        Samples on an open face (paper: samples without a tangent basis, BD).
     tangents : ndarray, shape (N, K, D), float64, or None
         Orthonormal bases of the tangent spaces, NaN on the boundary.
-    tangent_simplices : ndarray, shape (N, K+1), int32
-        Tangent basis tuples, nearest first; -1 where there is none.
-    edge_sets : EdgeSets
-        Edge set of each sample.
-    stars : Stars
-        K-simplices dual to the vertices of each local region, its sample first.
-    unbounded : ndarray, shape (N,), bool
-        Samples whose local region is unbounded.
     representatives : ndarray, shape (N,), int32
         Lowest index of the samples that coincide with each sample.
     dim, ambient_dim : int
         K and D (None where only products are known).
-    method, estimator, edge_rule, search : str
+    method, estimator, search : str
         How the result was made.
     num_neighbors : int
         Neighbors per sample for the tangent spaces.
@@ -119,6 +161,17 @@ class Reconstruction(ReadOnlyArrays):
         Share of true neighbors found, below 1 only for the approximate search.
     timings : dict of str to float
         Wall seconds of each step. Whatever reads coordinates counts as neighborhoods.
+    tangent_simplices : ndarray, shape (N, K+1), int32
+        Paper: tangent basis tuples, nearest first; -1 where there is none. This and what
+        follows is None with the manifold method.
+    edge_sets : EdgeSets
+        Paper: edge set of each sample.
+    stars : Stars
+        Paper: K-simplices dual to the vertices of each local region, its sample first.
+    unbounded : ndarray, shape (N,), bool
+        Paper: samples whose local region is unbounded.
+    edge_rule : str
+        Paper: which edges count.
     """
 
     vertices: NDArray[np.float64] | None
@@ -126,20 +179,21 @@ class Reconstruction(ReadOnlyArrays):
     edges: NDArray[np.int32]
     boundary: NDArray[np.bool_]
     tangents: NDArray[np.float64] | None
-    tangent_simplices: NDArray[np.int32]
-    edge_sets: EdgeSets
-    stars: Stars
-    unbounded: NDArray[np.bool_]
     representatives: NDArray[np.int32]
     dim: int
     ambient_dim: int | None
     method: str
     estimator: str
-    edge_rule: str
     search: str
     num_neighbors: int
     recall: float
     timings: dict[str, float]
+    tangent_simplices: NDArray[np.int32] | None = None
+    edge_sets: EdgeSets | None = None
+    stars: Stars | None = None
+    unbounded: NDArray[np.bool_] | None = None
+    edge_rule: str | None = None
+    _report: dict[str, Any] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         ambient = (
@@ -161,23 +215,41 @@ class Reconstruction(ReadOnlyArrays):
 
     @functools.cached_property
     def _topology(self) -> Topology:
-        return topology_of(self.simplices, self.num_samples)
+        return topology_of(np.sort(self.simplices, axis=1), self.num_samples)
 
     @functools.cached_property
     def repair(self) -> Repair:
-        """Report of callouses, holes and samples left out; computed once."""
+        """What was disputed and mended, and what the result lacks; computed once."""
+        own = self.representatives == np.arange(self.num_samples)
+        merged = int(np.count_nonzero(~own))
+        if self.method == "manifold":
+            return Repair(method=self.method, merged_samples=merged, **self._report)
         report = _core.paper_report(
-            self.simplices, *self.edge_sets, *self.stars, self.boundary, 0, None
+            self.simplices,
+            *(self.edge_sets or ()),
+            *(self.stars or ()),
+            self.boundary,
+            0,
+            None,
         )
-        indices = np.arange(self.num_samples, dtype=np.int32)
         used = np.zeros(self.num_samples, dtype=bool)
         used[self.simplices.ravel()] = True
-        own = self.representatives == indices
+        none = np.empty(0, dtype=np.int32)
+        no_simplices = np.empty((0, self.dim + 1), dtype=np.int32)
         return Repair(
             method=self.method,
             **report,
-            unused_vertices=indices[own & ~used],
-            merged_samples=int(np.count_nonzero(~own)),
+            singular_vertices=none,
+            unused_vertices=np.flatnonzero(own & ~used).astype(np.int32),
+            merged_samples=merged,
+            num_agreed=0,
+            disputed_simplices=no_simplices,
+            filled_simplices=no_simplices,
+            inserted_vertices=none,
+            num_cavities=0,
+            num_programs=0,
+            num_integer_programs=0,
+            num_unsolved=0,
         )
 
     def component_labels(self) -> NDArray[np.int32]:
@@ -189,12 +261,14 @@ def reconstruct(
     points: ArrayLike | None = None,
     dim: int | None = None,
     *,
-    method: str = "paper",
+    method: str = "manifold",
+    boundary: str | bool | ArrayLike = "auto",
+    hole_radius: float = 3.2,
     gram: ArrayLike | None = None,
     distances: ArrayLike | None = None,
     num_neighbors: int | None = None,
-    estimator: str = "enclosure",
-    edges: str = "mutual",
+    estimator: str | None = None,
+    edges: str | None = None,
     search: str = "auto",
     checks: int = CHECKS,
     num_threads: int | None = None,
@@ -208,17 +282,27 @@ def reconstruct(
         Samples; complex samples count as real ones of dimension 2 D.
     dim : int
         K, the dimension of the manifold.
-    method : {"paper"}
-        The simplicial complex SC(X) of Freedman (2002).
+    method : {"manifold", "paper"}
+        The chain of least energy through the simplices that all samples agree on, or the
+        simplicial complex SC(X) of Freedman (2002).
+    boundary : {"auto", False} or array_like of bool, shape (N,)
+        Manifold method: holes wider than `hole_radius` stay open; everything is closed;
+        or faces may be open where all their vertices are marked.
+    hole_radius : float
+        Radius of the smallest round hole that ``boundary="auto"`` leaves open, in units
+        of the local scale (the distance to the (2K+2)-th neighbor, for K = 2 about 1.4
+        times the root of the area per sample).
     gram, distances : array_like, shape (N, N), optional
         Inner products or distances of the samples, instead of `points`. `gram` must be
         positive semidefinite, and Hermitian if complex.
     num_neighbors : int, optional
-        Neighbors per sample for the tangent spaces (the paper's r K); 10 K by default.
-    estimator : {"enclosure", "pca", "jet"}
-        Tangent spaces, see `tangent_spaces`.
-    edges : {"mutual", "either"}
-        Edges seen from both ends, or from at least one.
+        Neighbors per sample for the tangent spaces: by default 3 times the unknowns of a
+        quadratic fit, 3 (K + K (K+1) / 2); with the paper's method its r K = 10 K.
+    estimator : {"enclosure", "pca", "jet"}, optional
+        Tangent spaces, see `tangent_spaces`. "jet" by default, the paper's "enclosure"
+        with its method.
+    edges : {"mutual", "either"}, optional
+        Paper: edges seen from both ends (by default), or from at least one.
     search : {"auto", "kdtree", "brute_force", "approximate"}
         Neighbor search, see `neighborhoods`.
     checks : int
@@ -253,47 +337,114 @@ def reconstruct(
     (1, 1)
     """
     check_choice(method, "method", METHODS)
+    manifold = method == "manifold"
+    if estimator is None:
+        estimator = "jet" if manifold else "enclosure"
     check_choice(estimator, "estimator", ESTIMATORS)
-    check_choice(edges, "edges", EDGE_RULES)
     check_choice(search, "search", SEARCHES)
     samples = check_samples(points, gram, distances)
     k = check_dim(dim, samples)
+    if num_neighbors is None and manifold:
+        num_neighbors = 3 * (k + k * (k + 1) // 2)
     neighbors = check_num_neighbors(num_neighbors, k)
+    checks = check_int(checks, "checks", minimum=1)
+    threads = check_num_threads(num_threads)
+    rule, mask = check_boundary(boundary, len(samples.matrix))
+    check_positive(hole_radius, "hole_radius")
+    if manifold and edges is not None:
+        raise ValueError('edges is for method="paper" only')
+    if not manifold and rule != "auto":
+        raise ValueError('boundary is for method="manifold" only')
+    edges = "mutual" if edges is None else edges
+    check_choice(edges, "edges", EDGE_RULES)
+    result: dict[str, Any]
     with progress_callback(progress) as callback:
-        result: dict[str, Any] = _core.reconstruct_paper(
-            samples.kind,
-            samples.matrix,
-            k,
-            neighbors,
-            estimator,
-            edges,
-            search,
-            check_int(checks, "checks", minimum=1),
-            check_num_threads(num_threads),
-            callback,
-        )
+        common = (samples.kind, samples.matrix, k, neighbors, estimator)
+        if manifold:
+            result = _core.reconstruct_manifold(
+                *common,
+                rule,
+                mask,
+                float(hole_radius),
+                search,
+                checks,
+                solve_program,
+                threads,
+                callback,
+            )
+        else:
+            result = _core.reconstruct_paper(
+                *common, edges, search, checks, threads, callback
+            )
     warn_of_recall(result["search"], result["recall"])
     vertices = None
     if samples.kind == "points":
         vertices = samples.matrix.view()
+    report = {}
+    paper: dict[str, Any] = {}
+    if manifold:
+        report = _finish_report(result["repair"], k, rule, mask)
+    else:
+        paper = {
+            "tangent_simplices": result["tangent_simplices"],
+            "edge_sets": EdgeSets(
+                result["edge_set_offsets"], result["edge_set_indices"]
+            ),
+            "stars": Stars(result["star_offsets"], result["star_simplices"]),
+            "unbounded": result["unbounded"],
+            "edge_rule": edges,
+        }
     return Reconstruction(
         vertices=vertices,
         simplices=result["simplices"],
         edges=result["edges"],
         boundary=result["boundary"],
         tangents=result["tangents"],
-        tangent_simplices=result["tangent_simplices"],
-        edge_sets=EdgeSets(result["edge_set_offsets"], result["edge_set_indices"]),
-        stars=Stars(result["star_offsets"], result["star_simplices"]),
-        unbounded=result["unbounded"],
         representatives=result["representatives"],
         dim=k,
         ambient_dim=None if vertices is None else vertices.shape[1],
         method=method,
         estimator=estimator,
-        edge_rule=edges,
         search=result["search"],
         num_neighbors=neighbors,
         recall=result["recall"],
         timings=result["timings"],
+        _report=report,
+        **paper,
     )
+
+
+def _finish_report(
+    report: dict[str, Any], dim: int, rule: str, mask: NDArray[np.bool_]
+) -> dict[str, Any]:
+    """Sort the open faces into boundary and holes, and warn of what is no manifold."""
+    sets = _core.face_sets(report["open_faces"])
+    count = int(sets.max()) + 1 if len(sets) else 0
+    holes = 0
+    if rule != "auto":
+        marked = np.zeros(len(sets), dtype=bool)
+        if rule == "given":
+            marked = mask[report["open_faces"]].all(axis=1)
+        holes = len(np.unique(sets[~marked]))
+    report |= {
+        "num_boundary_components": count - holes,
+        "num_holes": holes,
+        "unstarred_simplices": np.empty((0, dim + 1), dtype=np.int32),
+    }
+    lacks = [
+        f"{number} {what}"
+        for number, what in (
+            (len(report["callous_faces"]), "faces in more than two simplices"),
+            (len(report["singular_vertices"]), "vertices without a proper link"),
+            (holes, "holes where boundary= asks for none"),
+            (report["num_unsolved"], "cavities without a solution"),
+        )
+        if number
+    ]
+    if lacks:
+        warnings.warn(
+            f"the result lacks something: {', '.join(lacks)}; see repair.remaining()",
+            ManifoldWarning,
+            stacklevel=3,
+        )
+    return report

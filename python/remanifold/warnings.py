@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Warning classes, all under one base so that they can be filtered together."""
 
-__all__ = ["RecallWarning", "RemanifoldWarning"]
+__all__ = ["ManifoldWarning", "RecallWarning", "RemanifoldWarning"]
 
 
 class RemanifoldWarning(UserWarning):
@@ -10,3 +10,7 @@ class RemanifoldWarning(UserWarning):
 
 class RecallWarning(RemanifoldWarning):
     """The approximate neighbor search missed neighbors."""
+
+
+class ManifoldWarning(RemanifoldWarning):
+    """The result is not the manifold that was asked for; `repair` says where."""

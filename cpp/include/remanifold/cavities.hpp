@@ -21,10 +21,10 @@ struct Cavities {
   /// Candidates x (K+1): the number of the facet that leaves out each vertex.
   std::vector<Index> facets_of;
 
-  SimplexArray facets;              ///< of the candidates
-  std::vector<double> prices;       ///< of leaving a facet open
-  std::vector<FacetNumber> rims;    ///< the fixed simplices' facet there, or kOpen
-  Csr candidates_on;                ///< candidates on each facet
+  SimplexArray facets;            ///< of the candidates
+  std::vector<double> prices;     ///< of leaving a facet open
+  std::vector<FacetNumber> rims;  ///< the fixed simplices' facet there, or kOpen
+  Csr candidates_on;              ///< candidates on each facet
 
   Csr candidates_in;  ///< of each cavity
   Csr facets_in;      ///< of each cavity

@@ -50,9 +50,9 @@ inline bool flips_across(FacetNumber a, FacetNumber b, int arity) {
 
 /// Patches: simplices connected through facets.
 struct OrientedPatches {
-  std::vector<Index> patch;        ///< of each simplex, in order of the first
-  std::vector<std::int8_t> sign;   ///< +1 or -1, alike across facets where possible
-  std::vector<Offset> sizes;       ///< simplices of each patch
+  std::vector<Index> patch;       ///< of each simplex, in order of the first
+  std::vector<std::int8_t> sign;  ///< +1 or -1, alike across facets where possible
+  std::vector<Offset> sizes;      ///< simplices of each patch
   std::vector<std::uint8_t> orientable;  ///< of each patch
 };
 OrientedPatches orient_patches(const std::vector<FacetNumber>& neighbors, int arity);

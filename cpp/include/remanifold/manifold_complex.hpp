@@ -41,9 +41,9 @@ struct ManifoldOptions {
 };
 
 struct ManifoldReport {
-  SimplexArray disputed;          ///< star simplices not in the stars of all their vertices
-  SimplexArray filled;            ///< simplices of the result that were not fixed
-  SimplexArray open_facets;       ///< (K-1)-faces with one coface
+  SimplexArray disputed;     ///< star simplices not in the stars of all their vertices
+  SimplexArray filled;       ///< simplices of the result that were not fixed
+  SimplexArray open_facets;  ///< (K-1)-faces with one coface
   SimplexArray branching_facets;  ///< (K-1)-faces with more than two cofaces
   std::vector<Index> singular;    ///< vertices whose link is neither sphere nor ball
   std::vector<Index> inserted;    ///< left out by the chain, put back by subdivision
@@ -61,7 +61,8 @@ struct ManifoldComplex {
 };
 
 /// All in canonical numbering. Without a solver only what the search can do is done.
-ManifoldComplex build_manifold(const Samples& samples, const Neighborhoods& neighborhoods,
+ManifoldComplex build_manifold(const Samples& samples,
+                               const Neighborhoods& neighborhoods,
                                const TangentSpaces& tangents,
                                const LocalRegions& regions,
                                const ManifoldOptions& options,

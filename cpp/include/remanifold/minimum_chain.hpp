@@ -42,12 +42,12 @@ struct ChainOptions {
 };
 
 struct ChainFill {
-  std::vector<Index> chosen;               ///< candidates, ascending
-  std::vector<std::uint8_t> open;          ///< of each cavity: has facets left open
-  Index searched = 0;                      ///< cavities searched through
-  Index programs = 0;                      ///< cavities solved as linear programs
-  Index integer_programs = 0;              ///< and as integer programs
-  Index unsolved = 0;                      ///< neither search nor solver came to an end
+  std::vector<Index> chosen;       ///< candidates, ascending
+  std::vector<std::uint8_t> open;  ///< of each cavity: has facets left open
+  Index searched = 0;              ///< cavities searched through
+  Index programs = 0;              ///< cavities solved as linear programs
+  Index integer_programs = 0;      ///< and as integer programs
+  Index unsolved = 0;              ///< neither search nor solver came to an end
 };
 
 /// \param fixed  the fixed simplices that the cavities' rims refer to, all of them

@@ -19,8 +19,8 @@ std::vector<double> local_scales(const Samples& samples,
 
 struct SimplexMeasures {
   double volume = 0;
-  double circumradius = 0;          ///< infinite where the simplex is flat
-  double squared_edges = 0;         ///< sum over all edges
+  double circumradius = 0;   ///< infinite where the simplex is flat
+  double squared_edges = 0;  ///< sum over all edges
 };
 
 /// Measures simplices one after the other.

@@ -51,6 +51,11 @@ struct Topology {
 Topology compute_topology(const SimplexArray& simplices, Index num_vertices,
                           const Execution& execution = {});
 
+/// The singular vertices among those marked.
+std::vector<Index> singular_vertices(const SimplexArray& simplices,
+                                     const std::vector<std::uint8_t>& marked,
+                                     const Execution& execution = {});
+
 /// Faces with one coface, in connected sets (sharing a (K-2)-face; for K = 1 each on its
 /// own). A set none of whose vertices is marked as boundary is a hole.
 struct OpenFaces {

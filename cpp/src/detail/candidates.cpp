@@ -105,8 +105,8 @@ void delaunay_3(const Samples& samples, const std::vector<Index>& vertices, int 
 
 }  // namespace
 
-void append_edges(const SimplexArray& simplices, const std::vector<std::uint8_t>& marked,
-                  std::vector<Index>& pairs) {
+void append_edges(const SimplexArray& simplices,
+                  const std::vector<std::uint8_t>& marked, std::vector<Index>& pairs) {
   for (Offset s = 0; s < simplices.size(); ++s) {
     const Index* simplex = simplices[s];
     for (int i = 0; i < simplices.arity; ++i) {
@@ -142,8 +142,8 @@ SimplexArray cliques_of(const std::vector<Index>& pairs, int dim,
   std::sort(vertices.begin(), vertices.end());
   vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
   const auto number = [&](Index v) {
-    return static_cast<Index>(
-        std::lower_bound(vertices.begin(), vertices.end(), v) - vertices.begin());
+    return static_cast<Index>(std::lower_bound(vertices.begin(), vertices.end(), v) -
+                              vertices.begin());
   };
   const SimplexArray edges = sorted_unique({2, pairs});
   Csr directed;

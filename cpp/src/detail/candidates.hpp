@@ -12,8 +12,8 @@
 namespace remanifold::detail {
 
 /// Edges (pairs) of the simplices that have both ends among the marked samples.
-void append_edges(const SimplexArray& simplices, const std::vector<std::uint8_t>& marked,
-                  std::vector<Index>& pairs);
+void append_edges(const SimplexArray& simplices,
+                  const std::vector<std::uint8_t>& marked, std::vector<Index>& pairs);
 
 /// Edges between marked samples, one of which is among the nearest `count` of the other.
 void append_neighbor_edges(const Neighborhoods& neighborhoods, Index count,

@@ -28,16 +28,15 @@ bool CavitySearch::run(Index cavity, Index max_steps) {
 }
 
 bool CavitySearch::fits(Index candidate) const {
-  const Index* facets = cavities_.facets_of.data() +
-                        static_cast<std::size_t>(candidate) * arity_;
-  return std::all_of(facets, facets + arity_, [&](Index f) {
-    return cofaces_[f] < 2 && conceded_[f] == 0;
-  });
+  const Index* facets =
+      cavities_.facets_of.data() + static_cast<std::size_t>(candidate) * arity_;
+  return std::all_of(facets, facets + arity_,
+                     [&](Index f) { return cofaces_[f] < 2 && conceded_[f] == 0; });
 }
 
 void CavitySearch::put(Index candidate, int change) {
-  const Index* facets = cavities_.facets_of.data() +
-                        static_cast<std::size_t>(candidate) * arity_;
+  const Index* facets =
+      cavities_.facets_of.data() + static_cast<std::size_t>(candidate) * arity_;
   for (int i = 0; i < arity_; ++i) {
     cofaces_[facets[i]] = static_cast<std::uint8_t>(cofaces_[facets[i]] + change);
   }

@@ -32,10 +32,10 @@ class RimOrientation {
   int arity_;
   std::vector<FacetNumber> neighbors_;
   OrientedPatches patches_;
-  std::vector<Index> owner_;        // walk that reached a simplex, or -1
-  std::vector<std::int8_t> sign_;   // relative to the start of that walk
+  std::vector<Index> owner_;       // walk that reached a simplex, or -1
+  std::vector<std::int8_t> sign_;  // relative to the start of that walk
   std::vector<Offset> reached_;
-  std::vector<Index> parent_;       // walks that met
+  std::vector<Index> parent_;  // walks that met
   std::vector<std::int8_t> parity_;
 };
 
