@@ -157,7 +157,7 @@ def reconstruct(task: Task) -> Outcome:
             points, shape.dim, method=task.method, num_threads=1, **options
         )
         seconds = time.perf_counter() - start
-        simplices, topology = rec.simplices, rec.topology()
+        simplices, topology = np.sort(rec.simplices, axis=1), rec.topology()
     return Outcome(tuple(judge(simplices, topology, len(points), shape)), seconds)
 
 

@@ -198,7 +198,7 @@ def check_index_array(
 
 
 def check_simplices(simplices: ArrayLike) -> NDArray[np.int32]:
-    """(M, K+1) with K >= 1, no row twice; the core checks the vertices."""
+    """(M, K+1) with K >= 1, no row twice; columns in any order, sorted here."""
     array = _as_array(simplices, "simplices")
     if (
         array.ndim != 2
@@ -214,7 +214,11 @@ def check_simplices(simplices: ArrayLike) -> NDArray[np.int32]:
         msg = "simplices has values that are no vertices"
         raise ValueError(msg)
     # A copy: results keep it, read-only.
-    result = np.array(array, dtype=np.int32, order="C")
+    result = np.sort(array.astype(np.int32), axis=1)
+    twice = (result[:, 1:] == result[:, :-1]).any(axis=1)
+    if twice.any():
+        msg = f"simplices[{int(twice.argmax())}] has a vertex twice"
+        raise ValueError(msg)
     order = np.lexsort(result.T)
     same = (result[order[1:]] == result[order[:-1]]).all(axis=1)
     if same.any():

@@ -352,9 +352,11 @@ def reconstruct(
     rule, mask = check_boundary(boundary, len(samples.matrix))
     check_positive(hole_radius, "hole_radius")
     if manifold and edges is not None:
-        raise ValueError('edges is for method="paper" only')
+        msg = 'edges is for method="paper" only'
+        raise ValueError(msg)
     if not manifold and rule != "auto":
-        raise ValueError('boundary is for method="manifold" only')
+        msg = 'boundary is for method="manifold" only'
+        raise ValueError(msg)
     edges = "mutual" if edges is None else edges
     check_choice(edges, "edges", EDGE_RULES)
     result: dict[str, Any]

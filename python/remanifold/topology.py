@@ -122,7 +122,7 @@ def compute_topology(
     Parameters
     ----------
     simplices : array_like of int, shape (M, K+1)
-        Simplices, columns ascending, each once.
+        Simplices, each once; columns in any order.
     num_vertices : int
         N, more than any vertex.
     num_threads, progress
