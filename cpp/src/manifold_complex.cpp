@@ -6,6 +6,7 @@
 #include "detail/simplex_rows.hpp"
 #include "remanifold/cavities.hpp"
 #include "remanifold/facets.hpp"
+#include "remanifold/link_repair.hpp"
 #include "remanifold/simplex_measures.hpp"
 #include "remanifold/star_consensus.hpp"
 #include "remanifold/topology.hpp"
@@ -23,6 +24,12 @@ constexpr Offset kBlock = 1024;
 constexpr double kForbidden = 1e5;
 /// Price of an open facet at samples that are known to lie on the boundary.
 constexpr double kAllowed = 1;
+/// Radius of the smallest round hole, in units of h, among samples that lie at random (of
+/// which gaps reach 2 h) and among even ones.
+constexpr double kHoleAtRandom = 2.6;
+constexpr double kHoleEven = 1.4;
+/// On curves h spans more neighbors.
+constexpr double kHoleOfCurve = 0.6;
 /// Neighbors joined by edges for the widest choice of candidates where there is no
 /// ambient Delaunay triangulation.
 constexpr int kNeighborsPerDim = 4;
@@ -43,7 +50,18 @@ class ManifoldBuilder {
         dim_(regions.dim),
         arity_(regions.dim + 1),
         scales_(local_scales(samples, neighborhoods, regions.dim, execution)),
-        ruler_(samples, scales_) {}
+        ruler_(samples, scales_) {
+    if (options_.hole_radius == 0) {
+      const double even = evenness(samples, neighborhoods, scales_, dim_);
+      options_.hole_radius = (kHoleAtRandom + even * (kHoleEven - kHoleAtRandom)) *
+                             (dim_ == 1 ? kHoleOfCurve : 1.0);
+    }
+    if (options_.boundary != BoundaryRule::kNone) {
+      options_.fixed_radius =
+          std::min(options_.fixed_radius, options_.hole_share * options_.hole_radius);
+    }
+    result_.report.hole_radius = options_.hole_radius;
+  }
 
   ManifoldComplex run() {
     fix_agreed();
@@ -53,6 +71,7 @@ class ManifoldBuilder {
                           large_.vertices.end());
     // Each time with more candidates, for what is still open.
     fill(false);
+    options_.chain.search_candidates = 0;
     for (int widening = 0; widening < 2 && !open_region_.empty(); ++widening) {
       widen(widening);
       fill(widening == 1);
@@ -263,6 +282,8 @@ class ManifoldBuilder {
     report.filled.vertices.assign(fixed_.vertices.begin() + num_agreed_ * arity_,
                                   fixed_.vertices.end());
     result_.simplices = detail::sorted_unique(fixed_);
+    report.singular =
+        repair_links(samples_, scales_, unsettled_, result_.simplices, execution_);
     Insertion insertion =
         insert_vertices(samples_, neighborhoods_, scales_, options_.outlier_distance,
                         result_.simplices, execution_);
@@ -301,7 +322,7 @@ class ManifoldBuilder {
   const Neighborhoods& neighborhoods_;
   const TangentSpaces& tangents_;
   const LocalRegions& regions_;
-  const ManifoldOptions& options_;
+  ManifoldOptions options_;
   const ProgramSolver& solver_;
   const Execution& execution_;
   int dim_;

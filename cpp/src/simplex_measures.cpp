@@ -27,7 +27,7 @@ std::vector<double> local_scales(const Samples& samples,
                                  const Neighborhoods& neighborhoods, int dim,
                                  const Execution& execution) {
   const Index n = samples.size();
-  const Index count = std::min<Index>(2 * dim + 2, neighborhoods.count);
+  const Index count = std::min(scale_neighbors(dim), neighborhoods.count);
   std::vector<double> raw(n, 0.0);
   std::vector<double> scales(n, 0.0);
   if (count == 0) {
@@ -53,6 +53,26 @@ std::vector<double> local_scales(const Samples& samples,
     }
   });
   return scales;
+}
+
+double evenness(const Samples& samples, const Neighborhoods& neighborhoods,
+                const std::vector<double>& scales, int dim) {
+  if (neighborhoods.count == 0) {
+    return 0;
+  }
+  std::vector<double> ratios;
+  for (Index x = 0; x < samples.size(); ++x) {
+    ratios.push_back(std::sqrt(samples.squared_distance(x, neighborhoods.of(x)[0])) /
+                     scales[x]);
+  }
+  const auto tenth = ratios.begin() + static_cast<Offset>(ratios.size() / 10);
+  std::nth_element(ratios.begin(), tenth, ratios.end());
+  // Of a Poisson process: one in ten has a neighbor in a ball that holds -log(0.9) samples
+  // on average, where h holds as many as it has neighbors.
+  const double random = std::pow(-std::log(0.9) / scale_neighbors(dim), 1.0 / dim);
+  const double low = random + 0.25 * (1 - random);
+  const double high = random + 0.42 * (1 - random);
+  return std::clamp((*tenth - low) / (high - low), 0.0, 1.0);
 }
 
 SimplexMeasures SimplexRuler::measure(const Index* vertices, int arity) const {

@@ -220,44 +220,6 @@ bool is_path_or_cycle(const SimplexArray& graph) {
   return tree_edges + 1 == ends.size();
 }
 
-/// Whether a link is a sphere or a ball. Decisive up to dimension 2; above, every
-/// connected manifold passes whose Euler characteristic is that of a sphere, or of a ball
-/// where it has a boundary.
-bool is_sphere_or_ball(const SimplexArray& link) {
-  const int dim = link.arity - 1;
-  if (dim == 0) {
-    return link.size() <= 2;
-  }
-  if (dim == 1) {
-    return is_path_or_cycle(link);
-  }
-  std::vector<Offset> counts;
-  bool closed = true;
-  for (int d = 0; d <= dim; ++d) {
-    const FaceTable table = make_face_table(link, d);
-    counts.push_back(table.size());
-    if (d == dim - 1) {
-      for (Offset f = 0; f < table.size(); ++f) {
-        if (table.cofaces(f) > 2) {
-          return false;
-        }
-        closed = closed && table.cofaces(f) == 2;
-      }
-    }
-  }
-  const Offset expected = closed && dim % 2 == 0 ? 2 : closed ? 0 : 1;
-  if (euler_characteristic(counts) != expected || !is_connected(link)) {
-    return false;
-  }
-  const FaceTable vertices = make_face_table(link, 0);
-  for (Offset v = 0; v < vertices.size(); ++v) {
-    if (!is_sphere_or_ball(link_of(link, vertices, v))) {
-      return false;
-    }
-  }
-  return true;
-}
-
 void validate(const SimplexArray& simplices, Index num_vertices) {
   if (simplices.arity < 2) {
     throw std::invalid_argument("simplices have " + std::to_string(simplices.arity) +
@@ -348,6 +310,41 @@ Patches walk_patches(const SimplexArray& simplices, const FaceTable& facets) {
 }
 
 }  // namespace
+
+bool is_sphere_or_ball(const SimplexArray& link) {
+  const int dim = link.arity - 1;
+  if (dim == 0) {
+    return link.size() <= 2;
+  }
+  if (dim == 1) {
+    return is_path_or_cycle(link);
+  }
+  std::vector<Offset> counts;
+  bool closed = true;
+  for (int d = 0; d <= dim; ++d) {
+    const FaceTable table = make_face_table(link, d);
+    counts.push_back(table.size());
+    if (d == dim - 1) {
+      for (Offset f = 0; f < table.size(); ++f) {
+        if (table.cofaces(f) > 2) {
+          return false;
+        }
+        closed = closed && table.cofaces(f) == 2;
+      }
+    }
+  }
+  const Offset expected = closed && dim % 2 == 0 ? 2 : closed ? 0 : 1;
+  if (euler_characteristic(counts) != expected || !is_connected(link)) {
+    return false;
+  }
+  const FaceTable vertices = make_face_table(link, 0);
+  for (Offset v = 0; v < vertices.size(); ++v) {
+    if (!is_sphere_or_ball(link_of(link, vertices, v))) {
+      return false;
+    }
+  }
+  return true;
+}
 
 Faces faces_of(const SimplexArray& simplices, int dim, const Execution& execution) {
   if (dim < 0 || dim >= simplices.arity) {

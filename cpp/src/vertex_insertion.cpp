@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "remanifold/vertex_insertion.hpp"
 
-#include "detail/simplex_rows.hpp"
+#include "detail/editable_complex.hpp"
 
 #include <Eigen/Core>
 #include <Eigen/QR>
@@ -62,26 +62,18 @@ class SimplexDistance {
 class Inserter {
  public:
   Inserter(const Samples& samples, const Neighborhoods& neighborhoods,
-           const std::vector<double>& scales, SimplexArray& simplices)
+           const std::vector<double>& scales, const SimplexArray& simplices)
       : neighborhoods_(neighborhoods),
-        simplices_(simplices),
+        complex_(simplices, samples.size()),
         ruler_(samples, scales),
-        distance_(samples),
-        erased_(simplices.size(), 0),
-        incident_(samples.size()) {
-    for (Offset s = 0; s < simplices.size(); ++s) {
-      list(s);
-    }
-  }
-
-  bool is_used(Index v) const { return !incident_[v].empty(); }
+        distance_(samples) {}
 
   /// \returns false where all simplices around the neighbors are too far
   bool insert(Index x, double max_squared_distance) {
     near_.clear();
     Index used = 0;
     for (Index k = 0; k < neighborhoods_.count && used < kNeighbors; ++k) {
-      const std::vector<Offset>& star = incident_[neighborhoods_.of(x)[k]];
+      const std::vector<Offset>& star = complex_.star(neighborhoods_.of(x)[k]);
       near_.insert(near_.end(), star.begin(), star.end());
       used += star.empty() ? 0 : 1;
     }
@@ -90,7 +82,7 @@ class Inserter {
     double nearest = std::numeric_limits<double>::infinity();
     std::vector<double> distances;
     for (const Offset s : near_) {
-      distances.push_back(distance_.squared(x, simplices_[s], simplices_.arity));
+      distances.push_back(distance_.squared(x, complex_[s], complex_.arity()));
       nearest = std::min(nearest, distances.back());
     }
     if (!(nearest <= max_squared_distance)) {
@@ -106,34 +98,25 @@ class Inserter {
     return true;
   }
 
-  void finish() {
-    detail::erase_rows(simplices_, erased_);
-    simplices_ = detail::sorted_unique(simplices_);
-  }
+  SimplexArray finish() { return complex_.finish(); }
 
  private:
-  void list(Offset s) {
-    for (int i = 0; i < simplices_.arity; ++i) {
-      incident_[simplices_[s][i]].push_back(s);
-    }
-  }
-
   void compare_faces(Index x, Offset simplex) {
-    const int arity = simplices_.arity;
+    const int arity = complex_.arity();
     std::vector<Index> face;
     for (unsigned subset = 1; subset < 1U << arity; ++subset) {
       face.clear();
       for (int i = 0; i < arity; ++i) {
         if ((subset >> i & 1U) != 0) {
-          face.push_back(simplices_[simplex][i]);
+          face.push_back(complex_[simplex][i]);
         }
       }
       if (face.size() < 2) {
         continue;
       }
       double energy = 0;
-      for (const Offset s : simplices_on(face)) {
-        energy -= ruler_.energy(simplices_[s], arity);
+      for (const Offset s : complex_.simplices_on(face)) {
+        energy -= ruler_.energy(complex_[s], arity);
         for (const Index out : face) {
           replace(s, out, x);
           energy += ruler_.energy(row_.data(), arity);
@@ -146,46 +129,27 @@ class Inserter {
     }
   }
 
-  std::vector<Offset> simplices_on(const std::vector<Index>& face) const {
-    std::vector<Offset> result;
-    for (const Offset s : incident_[face[0]]) {
-      const Index* row = simplices_[s];
-      if (std::includes(row, row + simplices_.arity, face.begin(), face.end())) {
-        result.push_back(s);
-      }
-    }
-    return result;
-  }
-
   /// The simplex with one vertex for another, sorted.
   void replace(Offset s, Index out, Index in) {
-    row_.assign(simplices_[s], simplices_[s] + simplices_.arity);
+    row_.assign(complex_[s], complex_[s] + complex_.arity());
     *std::find(row_.begin(), row_.end(), out) = in;
     std::sort(row_.begin(), row_.end());
   }
 
   void subdivide(Index x) {
-    for (const Offset s : simplices_on(best_face_)) {
+    for (const Offset s : complex_.simplices_on(best_face_)) {
       for (const Index out : best_face_) {
         replace(s, out, x);
-        detail::append_row(simplices_, row_.data());
-        erased_.push_back(0);
-        list(simplices_.size() - 1);
+        complex_.add(row_.data());
       }
-      erased_[s] = 1;
-      for (int i = 0; i < simplices_.arity; ++i) {
-        std::vector<Offset>& star = incident_[simplices_[s][i]];
-        star.erase(std::find(star.begin(), star.end(), s));
-      }
+      complex_.remove(s);
     }
   }
 
   const Neighborhoods& neighborhoods_;
-  SimplexArray& simplices_;
+  detail::EditableComplex complex_;
   SimplexRuler ruler_;
   SimplexDistance distance_;
-  std::vector<std::uint8_t> erased_;
-  std::vector<std::vector<Offset>> incident_;
   std::vector<Offset> near_;
   std::vector<Index> row_;
   std::vector<Index> best_face_;
@@ -231,7 +195,7 @@ Insertion insert_vertices(const Samples& samples, const Neighborhoods& neighborh
   }
   result.outliers = waiting;
   std::sort(result.inserted.begin(), result.inserted.end());
-  inserter.finish();
+  simplices = inserter.finish();
   return result;
 }
 

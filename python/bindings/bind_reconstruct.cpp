@@ -126,6 +126,7 @@ py::dict reconstruct_with_chain(const std::string& kind,
   repair["singular_vertices"] = to_numpy(std::move(report.singular));
   repair["inserted_vertices"] = to_numpy(std::move(report.inserted));
   repair["unused_vertices"] = to_numpy(std::move(report.outliers));
+  repair["hole_radius"] = report.hole_radius;
   repair["num_agreed"] = report.agreed;
   repair["num_cavities"] = report.cavities;
   repair["num_programs"] = report.programs;

@@ -76,6 +76,8 @@ class Repair(ReadOnlyArrays):
         they are outliers, too far from all simplices around their neighbors.
     merged_samples : int
         Samples that coincide with one of lower index and were merged with it.
+    hole_radius : float
+        Manifold method: radius of the smallest round hole left open, in local scales.
     num_agreed : int
         Manifold method: star simplices that are in the stars of all their vertices.
     disputed_simplices : ndarray, shape (P, K+1), int32
@@ -100,6 +102,7 @@ class Repair(ReadOnlyArrays):
     singular_vertices: NDArray[np.int32]
     unused_vertices: NDArray[np.int32]
     merged_samples: int
+    hole_radius: float
     num_agreed: int
     disputed_simplices: NDArray[np.int32]
     filled_simplices: NDArray[np.int32]
@@ -242,6 +245,7 @@ class Reconstruction(ReadOnlyArrays):
             singular_vertices=none,
             unused_vertices=np.flatnonzero(own & ~used).astype(np.int32),
             merged_samples=merged,
+            hole_radius=float("nan"),
             num_agreed=0,
             disputed_simplices=no_simplices,
             filled_simplices=no_simplices,
@@ -263,7 +267,7 @@ def reconstruct(
     *,
     method: str = "manifold",
     boundary: str | bool | ArrayLike = "auto",
-    hole_radius: float = 3.2,
+    hole_radius: float | None = None,
     gram: ArrayLike | None = None,
     distances: ArrayLike | None = None,
     num_neighbors: int | None = None,
@@ -288,10 +292,11 @@ def reconstruct(
     boundary : {"auto", False} or array_like of bool, shape (N,)
         Manifold method: holes wider than `hole_radius` stay open; everything is closed;
         or faces may be open where all their vertices are marked.
-    hole_radius : float
+    hole_radius : float, optional
         Radius of the smallest round hole that ``boundary="auto"`` leaves open, in units
         of the local scale (the distance to the (2K+2)-th neighbor, for K = 2 about 1.4
-        times the root of the area per sample).
+        times the root of the area per sample; for K = 1 to the sixth). By default from
+        2.6 for samples that lie at random to 1.4 for even ones.
     gram, distances : array_like, shape (N, N), optional
         Inner products or distances of the samples, instead of `points`. `gram` must be
         positive semidefinite, and Hermitian if complex.
@@ -350,7 +355,7 @@ def reconstruct(
     checks = check_int(checks, "checks", minimum=1)
     threads = check_num_threads(num_threads)
     rule, mask = check_boundary(boundary, len(samples.matrix))
-    check_positive(hole_radius, "hole_radius")
+    radius = 0.0 if hole_radius is None else check_positive(hole_radius, "hole_radius")
     if manifold and edges is not None:
         msg = 'edges is for method="paper" only'
         raise ValueError(msg)
@@ -367,7 +372,7 @@ def reconstruct(
                 *common,
                 rule,
                 mask,
-                float(hole_radius),
+                radius,
                 search,
                 checks,
                 solve_program,

@@ -27,10 +27,14 @@ enum class BoundaryRule {
 struct ManifoldOptions {
   BoundaryRule boundary = BoundaryRule::kAuto;
   std::vector<std::uint8_t> boundary_samples;  ///< size() flags for kGiven
-  /// Radius of the smallest round hole that is left open, in units of the local scale h.
-  double hole_radius = 3.2;
-  /// Agreed simplices with a circumradius up to this times h are fixed.
+  /// Radius of the smallest round hole that is left open, in units of the local scale h;
+  /// 0: by how evenly the samples lie, from 2.6 (at random) to 1.4 (even).
+  double hole_radius = 0;
+  /// Agreed simplices with a circumradius up to this times h are fixed, and with a boundary
+  /// up to hole_share times hole_radius: long holes have a smaller circumradius than round
+  /// ones of the same price.
   double fixed_radius = 2.5;
+  double hole_share = 0.7;
   /// Simplices with a larger circumradius than this times h are never used.
   double largest_radius = 12;
   /// Patches of fewer fixed simplices are up for choice again (K >= 2).
@@ -41,6 +45,7 @@ struct ManifoldOptions {
 };
 
 struct ManifoldReport {
+  double hole_radius = 0;    ///< as used
   SimplexArray disputed;     ///< star simplices not in the stars of all their vertices
   SimplexArray filled;       ///< simplices of the result that were not fixed
   SimplexArray open_facets;  ///< (K-1)-faces with one coface

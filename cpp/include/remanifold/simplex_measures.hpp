@@ -11,11 +11,19 @@
 
 namespace remanifold {
 
-/// h(x): the distance to the (2K+2)-th neighbor, smoothed by the median over x and these
+/// Neighbors that h spans. On curves more: a few say little about the density there.
+constexpr Index scale_neighbors(int dim) { return dim == 1 ? 10 : 2 * dim + 2; }
+
+/// h(x): the distance to the neighbor of this rank, smoothed by the median over x and these
 /// neighbors. Canonical lengths.
 std::vector<double> local_scales(const Samples& samples,
                                  const Neighborhoods& neighborhoods, int dim,
                                  const Execution& execution = {});
+
+/// How evenly the samples lie, from 0 (independent of each other) to 1 (no two much nearer
+/// than the rest): from the tenth percentile of the nearest-neighbor distance over h.
+double evenness(const Samples& samples, const Neighborhoods& neighborhoods,
+                const std::vector<double>& scales, int dim);
 
 struct SimplexMeasures {
   double volume = 0;

@@ -51,6 +51,10 @@ struct Topology {
 Topology compute_topology(const SimplexArray& simplices, Index num_vertices,
                           const Execution& execution = {});
 
+/// Whether a complex is a sphere or a ball. Decisive up to dimension 2; above, connected
+/// pseudomanifolds of such links with the Euler characteristic of one pass.
+bool is_sphere_or_ball(const SimplexArray& simplices);
+
 /// The singular vertices among those marked.
 std::vector<Index> singular_vertices(const SimplexArray& simplices,
                                      const std::vector<std::uint8_t>& marked,

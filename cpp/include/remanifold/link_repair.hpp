@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Vertices whose link is neither a sphere nor a ball. Facets may all be in order there:
+// two sheets may share a vertex, or two parts of a boundary an edge.
+#pragma once
+
+#include "remanifold/execution.hpp"
+#include "remanifold/samples.hpp"
+#include "remanifold/simplex_measures.hpp"
+#include "remanifold/types.hpp"
+
+#include <cstdint>
+#include <vector>
+
+namespace remanifold {
+
+/// Mends links one move after the other, as long as there are fewer bad ones after it:
+/// - one of several fans of simplices at a vertex is taken out and the hole filled without
+///   the vertex,
+/// - a simplex at the boundary is taken out, or put in between two open facets.
+/// Rows of the result are sorted.
+/// \param marked  vertices to look at
+/// \returns the vertices that stay singular
+std::vector<Index> repair_links(const Samples& samples,
+                                const std::vector<double>& scales,
+                                const std::vector<std::uint8_t>& marked,
+                                SimplexArray& simplices,
+                                const Execution& execution = {});
+
+}  // namespace remanifold
