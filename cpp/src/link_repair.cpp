@@ -66,14 +66,17 @@ class LinkRepair {
  private:
   std::vector<Move> moves_at(Index v) {
     std::vector<Move> moves;
-    const std::vector<std::vector<Offset>> fans = fans_at(v);
-    if (fans.size() > 1) {
+    for (const std::vector<Index>& face : faces_at(v)) {
+      const std::vector<std::vector<Offset>> fans = fans_at(face);
+      if (fans.size() < 2) {
+        continue;
+      }
       for (const std::vector<Offset>& fan : fans) {
         Move move{fan, {}, 0};
-        if (has_open_facet(fan, v)) {
+        if (has_open_facet(fan)) {
           moves.push_back(move);
         }
-        if (refill(v, move)) {
+        if (refill(face, move)) {
           moves.push_back(std::move(move));
         }
       }
@@ -114,9 +117,32 @@ class LinkRepair {
     return moves;
   }
 
-  /// Simplices at v that are connected through facets at v.
-  std::vector<std::vector<Offset>> fans_at(Index v) const {
-    const std::vector<Offset>& star = complex_.star(v);
+  /// Faces with v around which there may be several fans: dimension 0 to K-2.
+  std::vector<std::vector<Index>> faces_at(Index v) const {
+    std::vector<std::vector<Index>> faces;
+    std::vector<Index> face;
+    for (const Offset s : complex_.star(v)) {
+      for (unsigned subset = 1; subset < 1U << arity_; ++subset) {
+        face.clear();
+        for (int i = 0; i < arity_; ++i) {
+          if ((subset >> i & 1U) != 0) {
+            face.push_back(complex_[s][i]);
+          }
+        }
+        if (static_cast<int>(face.size()) <= arity_ - 2 &&
+            std::find(face.begin(), face.end(), v) != face.end()) {
+          faces.push_back(face);
+        }
+      }
+    }
+    std::sort(faces.begin(), faces.end());
+    faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+    return faces;
+  }
+
+  /// Simplices on a face that are connected through facets on it.
+  std::vector<std::vector<Offset>> fans_at(const std::vector<Index>& face) const {
+    const std::vector<Offset> star = complex_.simplices_on(face);
     detail::DisjointSets sets(static_cast<Offset>(star.size()));
     for (std::size_t a = 0; a < star.size(); ++a) {
       for (std::size_t b = 0; b < a; ++b) {
@@ -142,11 +168,10 @@ class LinkRepair {
     return fans;
   }
 
-  bool has_open_facet(const std::vector<Offset>& fan, Index v) const {
+  bool has_open_facet(const std::vector<Offset>& fan) const {
     for (const Offset s : fan) {
       for (int i = 0; i < arity_; ++i) {
-        if (complex_[s][i] != v &&
-            complex_.simplices_on(complex_.facet(s, i)).size() == 1) {
+        if (complex_.simplices_on(complex_.facet(s, i)).size() == 1) {
           return true;
         }
       }
@@ -154,15 +179,17 @@ class LinkRepair {
     return false;
   }
 
-  /// Fills the hole that the move leaves by simplices without v.
-  bool refill(Index v, Move& move) {
+  /// Fills the hole that the move leaves by simplices without the face.
+  bool refill(const std::vector<Index>& face, Move& move) {
     std::vector<Index> vertices;
     for (const Offset s : move.out) {
       vertices.insert(vertices.end(), complex_[s], complex_[s] + arity_);
     }
     std::sort(vertices.begin(), vertices.end());
     vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-    vertices.erase(std::find(vertices.begin(), vertices.end(), v));
+    if (face.size() == 1) {
+      vertices.erase(std::find(vertices.begin(), vertices.end(), face[0]));
+    }
     if (vertices.size() > kMostVertices || static_cast<int>(vertices.size()) < arity_) {
       return false;
     }
@@ -180,7 +207,7 @@ class LinkRepair {
       }
     }
     const Cavities cavities = find_cavities(
-        around, inside_, subsets_of(vertices), ruler_,
+        around, inside_, subsets_of(vertices, face), ruler_,
         [](const Index*) { return std::numeric_limits<double>::infinity(); });
     for (const Index w : vertices) {
       inside_[w] = 0;
@@ -202,8 +229,9 @@ class LinkRepair {
     return true;
   }
 
-  /// All (K+1)-subsets that are no simplices yet.
-  SimplexArray subsets_of(const std::vector<Index>& vertices) const {
+  /// All (K+1)-subsets without the face that are no simplices yet.
+  SimplexArray subsets_of(const std::vector<Index>& vertices,
+                          const std::vector<Index>& face) const {
     SimplexArray result{arity_, {}};
     std::vector<std::uint8_t> pick(vertices.size(), 0);
     std::fill_n(pick.begin(), arity_, 1);
@@ -215,7 +243,8 @@ class LinkRepair {
           *out++ = vertices[i];
         }
       }
-      if (complex_.simplices_on(row).empty()) {
+      if (!std::includes(row.begin(), row.end(), face.begin(), face.end()) &&
+          complex_.simplices_on(row).empty()) {
         detail::append_row(result, row.data());
       }
     } while (std::prev_permutation(pick.begin(), pick.end()));

@@ -26,7 +26,7 @@ constexpr double kForbidden = 1e5;
 constexpr double kAllowed = 1;
 /// Radius of the smallest round hole, in units of h, among samples that lie at random (of
 /// which gaps reach 2 h) and among even ones.
-constexpr double kHoleAtRandom = 2.6;
+constexpr double kHoleAtRandom = 3.0;
 constexpr double kHoleEven = 1.4;
 /// On curves h spans more neighbors.
 constexpr double kHoleOfCurve = 0.6;

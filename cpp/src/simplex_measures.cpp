@@ -70,7 +70,7 @@ double evenness(const Samples& samples, const Neighborhoods& neighborhoods,
   // Of a Poisson process: one in ten has a neighbor in a ball that holds -log(0.9) samples
   // on average, where h holds as many as it has neighbors.
   const double random = std::pow(-std::log(0.9) / scale_neighbors(dim), 1.0 / dim);
-  const double low = random + 0.25 * (1 - random);
+  const double low = random + 0.3 * (1 - random);
   const double high = random + 0.42 * (1 - random);
   return std::clamp((*tenth - low) / (high - low), 0.0, 1.0);
 }

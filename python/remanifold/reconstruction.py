@@ -296,7 +296,7 @@ def reconstruct(
         Radius of the smallest round hole that ``boundary="auto"`` leaves open, in units
         of the local scale (the distance to the (2K+2)-th neighbor, for K = 2 about 1.4
         times the root of the area per sample; for K = 1 to the sixth). By default from
-        2.6 for samples that lie at random to 1.4 for even ones.
+        3 for samples that lie at random to 1.4 for even ones.
     gram, distances : array_like, shape (N, N), optional
         Inner products or distances of the samples, instead of `points`. `gram` must be
         positive semidefinite, and Hermitian if complex.

@@ -14,8 +14,8 @@
 namespace remanifold {
 
 /// Mends links one move after the other, as long as there are fewer bad ones after it:
-/// - one of several fans of simplices at a vertex is taken out and the hole filled without
-///   the vertex,
+/// - one of several fans of simplices around a face is taken out and the hole filled
+///   without the face,
 /// - a simplex at the boundary is taken out, or put in between two open facets.
 /// Rows of the result are sorted.
 /// \param marked  vertices to look at

@@ -28,7 +28,7 @@ struct ManifoldOptions {
   BoundaryRule boundary = BoundaryRule::kAuto;
   std::vector<std::uint8_t> boundary_samples;  ///< size() flags for kGiven
   /// Radius of the smallest round hole that is left open, in units of the local scale h;
-  /// 0: by how evenly the samples lie, from 2.6 (at random) to 1.4 (even).
+  /// 0: by how evenly the samples lie, from 3 (at random) to 1.4 (even).
   double hole_radius = 0;
   /// Agreed simplices with a circumradius up to this times h are fixed, and with a boundary
   /// up to hole_share times hole_radius: long holes have a smaller circumradius than round
