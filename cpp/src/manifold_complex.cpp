@@ -5,6 +5,7 @@
 #include "detail/parallel.hpp"
 #include "detail/simplex_rows.hpp"
 #include "remanifold/cavities.hpp"
+#include "remanifold/curve_repair.hpp"
 #include "remanifold/facets.hpp"
 #include "remanifold/link_repair.hpp"
 #include "remanifold/simplex_measures.hpp"
@@ -282,6 +283,12 @@ class ManifoldBuilder {
     report.filled.vertices.assign(fixed_.vertices.begin() + num_agreed_ * arity_,
                                   fixed_.vertices.end());
     result_.simplices = detail::sorted_unique(fixed_);
+    if (dim_ == 1) {
+      repair_curves(
+          samples_, neighborhoods_, scales_,
+          [&](const Index* vertex) { return price_of(vertex); }, options_.smallest_loop,
+          result_.simplices, execution_);
+    }
     report.singular =
         repair_links(samples_, scales_, unsettled_, result_.simplices, execution_);
     Insertion insertion =

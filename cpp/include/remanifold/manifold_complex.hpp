@@ -39,6 +39,8 @@ struct ManifoldOptions {
   double largest_radius = 12;
   /// Patches of fewer fixed simplices are up for choice again (K >= 2).
   Offset smallest_patch = 20;
+  /// K = 1: loops of fewer samples are merged with what is next to them.
+  Index smallest_loop = 10;
   /// Samples farther than this times h from the simplices around them are outliers.
   double outlier_distance = 2;
   ChainOptions chain;
