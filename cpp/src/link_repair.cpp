@@ -4,7 +4,7 @@
 #include "detail/cavity_search.hpp"
 #include "detail/disjoint_sets.hpp"
 #include "detail/editable_complex.hpp"
-#include "remanifold/cavities.hpp"
+#include "remanifold/facets.hpp"
 #include "remanifold/topology.hpp"
 
 #include <algorithm>
@@ -61,9 +61,53 @@ class LinkRepair {
     return touched;
   }
 
+  /// Closes small holes at the touched vertices, which moves may have left, where that
+  /// costs less than leaving them open.
+  void close_holes(const std::vector<Index>& touched, const FacetPrice& price) {
+    for (const Index v : touched) {
+      std::vector<Index> hole = hole_at(v);
+      if (hole.empty()) {
+        continue;
+      }
+      Move move;
+      if (fill(hole, {}, price, move) && change_by(move) <= 0) {
+        apply(move);
+      }
+    }
+  }
+
   SimplexArray finish() { return complex_.finish(); }
 
  private:
+  /// Vertices of the connected open facets at v; none where there are too many.
+  std::vector<Index> hole_at(Index v) const {
+    std::vector<Index> found{v};
+    for (std::size_t next = 0; next < found.size(); ++next) {
+      for (const Offset s : complex_.star(found[next])) {
+        for (int i = 0; i < arity_; ++i) {
+          const std::vector<Index> facet = complex_.facet(s, i);
+          if (std::find(facet.begin(), facet.end(), found[next]) == facet.end() ||
+              complex_.simplices_on(facet).size() != 1) {
+            continue;
+          }
+          for (const Index w : facet) {
+            if (std::find(found.begin(), found.end(), w) == found.end()) {
+              found.push_back(w);
+            }
+          }
+        }
+      }
+      if (found.size() > kMostVertices) {
+        return {};
+      }
+    }
+    if (found.size() == 1) {
+      return {};
+    }
+    std::sort(found.begin(), found.end());
+    return found;
+  }
+
   std::vector<Move> moves_at(Index v) {
     std::vector<Move> moves;
     for (const std::vector<Index>& face : faces_at(v)) {
@@ -190,6 +234,15 @@ class LinkRepair {
     if (face.size() == 1) {
       vertices.erase(std::find(vertices.begin(), vertices.end(), face[0]));
     }
+    return fill(
+        vertices, face,
+        [](const Index*) { return std::numeric_limits<double>::infinity(); }, move);
+  }
+
+  /// Adds to the move what fills the cavities between some vertices, without the face.
+  /// \returns false where facets without a price stay open or nothing is gained
+  bool fill(const std::vector<Index>& vertices, const std::vector<Index>& face,
+            const FacetPrice& price, Move& move) {
     if (vertices.size() > kMostVertices || static_cast<int>(vertices.size()) < arity_) {
       return false;
     }
@@ -206,19 +259,18 @@ class LinkRepair {
         detail::append_row(around, complex_[s]);
       }
     }
-    const Cavities cavities = find_cavities(
-        around, inside_, subsets_of(vertices, face), ruler_,
-        [](const Index*) { return std::numeric_limits<double>::infinity(); });
+    const Cavities cavities =
+        find_cavities(around, inside_, subsets_of(vertices, face), ruler_, price);
     for (const Index w : vertices) {
       inside_[w] = 0;
     }
-    if (!cavities.dead_ends.empty() || cavities.count() == 0) {
+    if (cavities.count() == 0 || (!cavities.dead_ends.empty() && !move.out.empty())) {
       return false;
     }
     detail::CavitySearch search(cavities);
     for (Index c = 0; c < cavities.count(); ++c) {
       search.run(c, kSearchSteps);
-      if (search.leaves_open()) {
+      if (search.leaves_open() && !move.out.empty()) {
         return false;
       }
       for (const Index chosen : search.chosen()) {
@@ -226,7 +278,7 @@ class LinkRepair {
                        cavities.candidates[chosen] + arity_);
       }
     }
-    return true;
+    return !move.in.empty();
   }
 
   /// All (K+1)-subsets without the face that are no simplices yet.
@@ -301,14 +353,45 @@ class LinkRepair {
   std::vector<std::uint8_t> inside_;
 };
 
+/// Marked vertices on facets with one coface.
+std::vector<Index> open_vertices(const SimplexArray& simplices,
+                                 const std::vector<std::uint8_t>& marked,
+                                 const Execution& execution) {
+  SimplexArray near{simplices.arity, {}};
+  for (Offset s = 0; s < simplices.size(); ++s) {
+    const Index* simplex = simplices[s];
+    if (std::count_if(simplex, simplex + simplices.arity,
+                      [&](Index v) { return marked[v] != 0; }) >= simplices.arity - 1) {
+      detail::append_row(near, simplex);
+    }
+  }
+  const FacetGroups groups =
+      group_facets(near, static_cast<Index>(marked.size()), execution);
+  std::vector<Index> facet(simplices.arity - 1);
+  std::vector<Index> result;
+  for (Offset g = 0; g < groups.size(); ++g) {
+    copy_facet(near, groups.facets[groups.offsets[g]], facet.data());
+    if (groups.cofaces(g) == 1 && std::all_of(facet.begin(), facet.end(), [&](Index v) {
+          return marked[v] != 0;
+        })) {
+      result.insert(result.end(), facet.begin(), facet.end());
+    }
+  }
+  std::sort(result.begin(), result.end());
+  result.erase(std::unique(result.begin(), result.end()), result.end());
+  return result;
+}
+
 }  // namespace
 
 std::vector<Index> repair_links(const Samples& samples,
                                 const std::vector<double>& scales,
                                 const std::vector<std::uint8_t>& marked,
-                                SimplexArray& simplices, const Execution& execution) {
+                                const FacetPrice& price, SimplexArray& simplices,
+                                const Execution& execution) {
   std::vector<Index> singular = singular_vertices(simplices, marked, execution);
-  if (singular.empty()) {
+  std::vector<Index> open = open_vertices(simplices, marked, execution);
+  if (singular.empty() && open.empty()) {
     return singular;
   }
   LinkRepair repair(samples, scales, simplices);
@@ -321,6 +404,7 @@ std::vector<Index> repair_links(const Samples& samples,
         continue;
       }
       const std::vector<Index> touched = repair.mend(v);
+      open.insert(open.end(), touched.begin(), touched.end());
       std::copy_if(touched.begin(), touched.end(), std::back_inserter(left),
                    [&](Index w) { return repair.is_singular(w); });
       if (touched.empty()) {
@@ -331,6 +415,7 @@ std::vector<Index> repair_links(const Samples& samples,
     left.erase(std::unique(left.begin(), left.end()), left.end());
     singular.swap(left);
   }
+  repair.close_holes(open, price);
   simplices = repair.finish();
   return singular;
 }

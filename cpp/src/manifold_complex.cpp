@@ -289,8 +289,9 @@ class ManifoldBuilder {
           [&](const Index* vertex) { return price_of(vertex); }, options_.smallest_loop,
           result_.simplices, execution_);
     }
-    report.singular =
-        repair_links(samples_, scales_, unsettled_, result_.simplices, execution_);
+    report.singular = repair_links(
+        samples_, scales_, unsettled_, [&](const Index* f) { return price_of(f); },
+        result_.simplices, execution_);
     Insertion insertion =
         insert_vertices(samples_, neighborhoods_, scales_, options_.outlier_distance,
                         result_.simplices, execution_);

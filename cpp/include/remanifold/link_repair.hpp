@@ -3,6 +3,7 @@
 // two sheets may share a vertex, or two parts of a boundary an edge.
 #pragma once
 
+#include "remanifold/cavities.hpp"
 #include "remanifold/execution.hpp"
 #include "remanifold/samples.hpp"
 #include "remanifold/simplex_measures.hpp"
@@ -17,13 +18,14 @@ namespace remanifold {
 /// - one of several fans of simplices around a face is taken out and the hole filled
 ///   without the face,
 /// - a simplex at the boundary is taken out, or put in between two open facets.
-/// Rows of the result are sorted.
+/// Small holes that a move leaves are closed again where that costs less than the price of
+/// their facets. Rows of the result are sorted.
 /// \param marked  vertices to look at
 /// \returns the vertices that stay singular
 std::vector<Index> repair_links(const Samples& samples,
                                 const std::vector<double>& scales,
                                 const std::vector<std::uint8_t>& marked,
-                                SimplexArray& simplices,
+                                const FacetPrice& price, SimplexArray& simplices,
                                 const Execution& execution = {});
 
 }  // namespace remanifold
