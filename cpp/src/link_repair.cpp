@@ -281,7 +281,7 @@ class LinkRepair {
     return !move.in.empty();
   }
 
-  /// All (K+1)-subsets without the face that are no simplices yet.
+  /// All (K+1)-subsets without the face, if there is one, that are no simplices yet.
   SimplexArray subsets_of(const std::vector<Index>& vertices,
                           const std::vector<Index>& face) const {
     SimplexArray result{arity_, {}};
@@ -295,8 +295,10 @@ class LinkRepair {
           *out++ = vertices[i];
         }
       }
-      if (!std::includes(row.begin(), row.end(), face.begin(), face.end()) &&
-          complex_.simplices_on(row).empty()) {
+      const bool excluded =
+          !face.empty() &&
+          std::includes(row.begin(), row.end(), face.begin(), face.end());
+      if (!excluded && complex_.simplices_on(row).empty()) {
         detail::append_row(result, row.data());
       }
     } while (std::prev_permutation(pick.begin(), pick.end()));
