@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "remanifold/clique_complex.hpp"
 
+#include "detail/clique_expansion.hpp"
 #include "detail/parallel.hpp"
 
 #include <algorithm>
@@ -53,53 +54,6 @@ Csr transpose(const Csr& csr) {
   }
   return result;
 }
-
-/// Extends a clique by the common neighbors that follow its last vertex.
-class CliqueExpansion {
- public:
-  CliqueExpansion(const Csr& graph, int arity, const Execution& execution)
-      : graph_(graph),
-        arity_(arity),
-        execution_(execution),
-        clique_(arity),
-        candidates_(arity) {}
-
-  void expand_from(Index vertex, std::vector<Index>& out) {
-    clique_[0] = vertex;
-    const Index* end = graph_.end(vertex);
-    candidates_[0].assign(std::upper_bound(graph_.begin(vertex), end, vertex), end);
-    extend(1, out);
-  }
-
- private:
-  void extend(int size, std::vector<Index>& out) {
-    execution_.poll();
-    const std::vector<Index>& candidates = candidates_[size - 1];
-    if (static_cast<int>(candidates.size()) < arity_ - size) {
-      return;
-    }
-    for (std::size_t i = 0; i < candidates.size(); ++i) {
-      clique_[size] = candidates[i];
-      if (size + 1 == arity_) {
-        out.insert(out.end(), clique_.begin(), clique_.end());
-        continue;
-      }
-      std::vector<Index>& next = candidates_[size];
-      next.clear();
-      std::set_intersection(candidates.begin() + static_cast<Offset>(i) + 1,
-                            candidates.end(), graph_.begin(candidates[i]),
-                            graph_.end(candidates[i]), std::back_inserter(next));
-      extend(size + 1, out);
-    }
-  }
-
-  const Csr& graph_;
-  int arity_;
-  const Execution& execution_;
-  std::vector<Index> clique_;
-  std::vector<std::vector<Index>>
-      candidates_;  // [size - 1]: may follow the first `size`
-};
 
 }  // namespace
 
@@ -157,7 +111,7 @@ SimplexArray clique_complex(const Csr& graph, int dim, const Execution& executio
   detail::begin_step(execution, Step::kComplex, n);
   std::vector<std::vector<Index>> blocks((n + kBlock - 1) / kBlock);
   detail::for_each_block(n, kBlock, execution, [&](Offset begin, Offset end) {
-    CliqueExpansion expansion(graph, dim + 1, execution);
+    detail::CliqueExpansion expansion(graph, dim + 1, execution);
     for (Offset i = begin; i < end; ++i) {
       expansion.expand_from(static_cast<Index>(i), blocks[begin / kBlock]);
     }

@@ -18,6 +18,8 @@ namespace {
 /// Holes with more vertices are not refilled: all simplices on them are candidates.
 constexpr std::size_t kMostVertices = 12;
 constexpr Index kSearchSteps = 20000;
+/// Above, links are large, and to judge one takes as long as the rest of the method.
+constexpr int kMostDim = 4;
 /// Looks at one vertex, at most.
 constexpr int kRounds = 4;
 
@@ -31,8 +33,9 @@ struct Move {
 class LinkRepair {
  public:
   LinkRepair(const Samples& samples, const std::vector<double>& scales,
-             const SimplexArray& simplices)
-      : complex_(simplices, samples.size()),
+             const SimplexArray& simplices, const Execution& execution)
+      : execution_(execution),
+        complex_(simplices, samples.size()),
         arity_(simplices.arity),
         ruler_(samples, scales),
         inside_(samples.size(), 0) {}
@@ -46,6 +49,7 @@ class LinkRepair {
     Move best;
     double best_change = 0;
     for (Move& move : moves_at(v)) {
+      execution_.poll();
       const double change = change_by(move);
       if (change < best_change ||
           (change < 0 && change == best_change && move.energy < best.energy)) {
@@ -295,9 +299,8 @@ class LinkRepair {
           *out++ = vertices[i];
         }
       }
-      const bool excluded =
-          !face.empty() &&
-          std::includes(row.begin(), row.end(), face.begin(), face.end());
+      const bool excluded = !face.empty() && std::includes(row.begin(), row.end(),
+                                                           face.begin(), face.end());
       if (!excluded && complex_.simplices_on(row).empty()) {
         detail::append_row(result, row.data());
       }
@@ -349,6 +352,7 @@ class LinkRepair {
     return after - before;
   }
 
+  const Execution& execution_;
   detail::EditableComplex complex_;
   int arity_;
   SimplexRuler ruler_;
@@ -393,10 +397,10 @@ std::vector<Index> repair_links(const Samples& samples,
                                 const Execution& execution) {
   std::vector<Index> singular = singular_vertices(simplices, marked, execution);
   std::vector<Index> open = open_vertices(simplices, marked, execution);
-  if (singular.empty() && open.empty()) {
+  if ((singular.empty() && open.empty()) || simplices.arity - 1 > kMostDim) {
     return singular;
   }
-  LinkRepair repair(samples, scales, simplices);
+  LinkRepair repair(samples, scales, simplices, execution);
   for (int round = 0; round < kRounds && !singular.empty(); ++round) {
     std::vector<Index> left;
     for (std::size_t i = 0; i < singular.size(); ++i) {

@@ -34,6 +34,8 @@ constexpr double kHoleOfCurve = 0.6;
 /// Neighbors joined by edges for the widest choice of candidates where there is no
 /// ambient Delaunay triangulation.
 constexpr int kNeighborsPerDim = 4;
+/// More cliques than this for each sample around what is open are too many to choose from.
+constexpr std::size_t kCliquesPerSample = 500;
 
 class ManifoldBuilder {
  public:
@@ -255,6 +257,7 @@ class ManifoldBuilder {
         samples_.ambient_dim() > 1) {
       more = detail::delaunay_faces(samples_, open_region_, dim_);
     } else {
+      const std::size_t most = kCliquesPerSample * open_region_.size();
       std::vector<Index> pairs;
       for (const SimplexArray* simplices : {&fixed_, &disputed_, &large_}) {
         detail::append_edges(*simplices, marked, pairs);
@@ -263,7 +266,7 @@ class ManifoldBuilder {
         detail::append_neighbor_edges(neighborhoods_, kNeighborsPerDim * dim_,
                                       open_region_, marked, pairs);
       }
-      more = detail::cliques_of(pairs, dim_, execution_);
+      more = detail::cliques_of(pairs, dim_, most, execution_);
     }
     for (Offset s = 0; s < more.size(); ++s) {
       const Index* simplex = more[s];

@@ -14,7 +14,7 @@
 
 namespace remanifold {
 
-/// Mends links one move after the other, as long as there are fewer bad ones after it:
+/// Up to K = 4, mends links one move after the other, as long as there are fewer bad ones after it:
 /// - one of several fans of simplices around a face is taken out and the hole filled
 ///   without the face,
 /// - a simplex at the boundary is taken out, or put in between two open facets.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "detail/candidates.hpp"
 
+#include "detail/clique_expansion.hpp"
+#include "detail/parallel.hpp"
 #include "detail/simplex_rows.hpp"
 #include "remanifold/clique_complex.hpp"
 
@@ -12,11 +14,14 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <numeric>
 #include <utility>
 
 namespace remanifold::detail {
 namespace {
+
+constexpr Offset kBlock = 64;
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 
@@ -136,7 +141,7 @@ void append_neighbor_edges(const Neighborhoods& neighborhoods, Index count,
   }
 }
 
-SimplexArray cliques_of(const std::vector<Index>& pairs, int dim,
+SimplexArray cliques_of(const std::vector<Index>& pairs, int dim, std::size_t max_count,
                         const Execution& execution) {
   std::vector<Index> vertices = pairs;
   std::sort(vertices.begin(), vertices.end());
@@ -154,11 +159,27 @@ SimplexArray cliques_of(const std::vector<Index>& pairs, int dim,
   }
   std::partial_sum(directed.offsets.begin(), directed.offsets.end(),
                    directed.offsets.begin());
-  Execution quiet = execution;  // no step of its own
-  SimplexArray cliques =
-      clique_complex(edge_graph(directed, EdgeRule::kEither, quiet), dim, quiet);
-  for (Index& v : cliques.vertices) {
-    v = vertices[v];
+  const Csr graph = edge_graph(directed, EdgeRule::kEither, execution);
+  const Offset n = graph.rows();
+  std::vector<std::vector<Index>> blocks((n + kBlock - 1) / kBlock);
+  std::atomic<std::size_t> found{0};
+  const std::size_t most = max_count * (dim + 1);
+  for_each_block_uncounted(n, kBlock, execution, [&](Offset begin, Offset end) {
+    CliqueExpansion expansion(graph, dim + 1, execution);
+    for (Offset v = begin; v < end && found <= most; ++v) {
+      const std::size_t before = blocks[begin / kBlock].size();
+      expansion.expand_from(static_cast<Index>(v), blocks[begin / kBlock], most);
+      found += blocks[begin / kBlock].size() - before;
+    }
+  });
+  SimplexArray cliques{dim + 1, {}};
+  if (found > most) {
+    return cliques;
+  }
+  for (const std::vector<Index>& block : blocks) {
+    for (const Index v : block) {
+      cliques.vertices.push_back(vertices[v]);
+    }
   }
   return cliques;
 }

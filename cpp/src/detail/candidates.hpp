@@ -21,8 +21,9 @@ void append_neighbor_edges(const Neighborhoods& neighborhoods, Index count,
                            const std::vector<std::uint8_t>& marked,
                            std::vector<Index>& pairs);
 
-/// All K-simplices whose edges are among the pairs.
-SimplexArray cliques_of(const std::vector<Index>& pairs, int dim,
+/// All K-simplices whose edges are among the pairs; none where there are more than
+/// max_count.
+SimplexArray cliques_of(const std::vector<Index>& pairs, int dim, std::size_t max_count,
                         const Execution& execution);
 
 /// K-faces of the Delaunay triangulation of some samples, D <= 3. Points only.
