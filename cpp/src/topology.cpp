@@ -49,6 +49,34 @@ struct FaceTable {
   Offset cofaces(Offset face) const { return offsets[face + 1] - offsets[face]; }
 };
 
+/// Where there are about as many vertices as faces, sorts them into buckets by the first
+/// vertex, then each bucket on its own.
+template <class Instance>
+void sort_by_face(std::vector<Instance>& instances) {
+  Index last = -1;
+  for (const Instance& instance : instances) {
+    last = std::max(last, instance.face[0]);
+  }
+  if (last < 0 || static_cast<std::size_t>(last) > instances.size()) {
+    std::sort(instances.begin(), instances.end());
+    return;
+  }
+  std::vector<Offset> begin(static_cast<std::size_t>(last) + 2, 0);
+  for (const Instance& instance : instances) {
+    ++begin[instance.face[0] + 1];
+  }
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<Instance> sorted(instances.size());
+  std::vector<Offset> next(begin.begin(), begin.end() - 1);
+  for (const Instance& instance : instances) {
+    sorted[next[instance.face[0]]++] = instance;
+  }
+  for (std::size_t v = 0; v + 1 < begin.size(); ++v) {
+    std::sort(sorted.begin() + begin[v], sorted.begin() + begin[v + 1]);
+  }
+  instances.swap(sorted);
+}
+
 template <int Arity>
 void group_faces(const SimplexArray& simplices,
                  const std::vector<std::vector<int>>& columns, FaceTable& table) {
@@ -70,7 +98,7 @@ void group_faces(const SimplexArray& simplices,
       instances.push_back(instance);
     }
   }
-  std::sort(instances.begin(), instances.end());
+  sort_by_face(instances);
   table.instances.resize(instances.size());
   for (std::size_t i = 0; i < instances.size(); ++i) {
     table.instances[i] = instances[i].number;
@@ -412,6 +440,15 @@ Topology compute_topology(const SimplexArray& simplices, Index num_vertices,
   result.pseudomanifold = result.coface_counts.size() <= 3;
   result.closed = simplices.size() > 0 && result.coface_counts.size() == 3 &&
                   result.coface_counts[1] == 0;
+
+  Faces all;
+  all.simplices = facets.faces;
+  all.cofaces.resize(facets.size());
+  for (Offset f = 0; f < facets.size(); ++f) {
+    all.cofaces[f] = static_cast<Index>(facets.cofaces(f));
+  }
+  result.boundary_components = static_cast<Index>(
+      find_open_faces(all, std::vector<std::uint8_t>(num_vertices, 0)).hole.size());
 
   execution.poll();
   const Patches patches = walk_patches(simplices, facets);

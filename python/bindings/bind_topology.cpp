@@ -24,6 +24,7 @@ py::dict topology(const InputArray<Index>& simplices, Index num_vertices,
   out["components"] = result.components;
   out["coface_counts"] = to_numpy(std::move(result.coface_counts));
   out["pseudomanifold"] = result.pseudomanifold;
+  out["boundary_components"] = result.boundary_components;
   out["closed"] = result.closed;
   out["orientable"] = result.orientable;
   out["closed_patches"] = result.closed_patches;

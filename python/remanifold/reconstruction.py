@@ -212,9 +212,33 @@ class Reconstruction(ReadOnlyArrays):
         """N, copies included."""
         return len(self.boundary)
 
-    def topology(self) -> Topology:
-        """Topology of the complex; computed once."""
-        return self._topology
+    def topology(self, component: int | None = None) -> Topology:
+        """Topology of the complex, computed once, or of one of its components.
+
+        Parameters
+        ----------
+        component : int, optional
+            Label of a component, as in `component_labels`.
+
+        Returns
+        -------
+        Topology
+
+        Raises
+        ------
+        ValueError
+            No component has this label.
+        """
+        if component is None:
+            return self._topology
+        count = self._topology.components
+        index = check_int(component, "component", minimum=0)
+        if index >= count:
+            msg = f"component is {index}, expected 0 to {count - 1}"
+            raise ValueError(msg)
+        simplices = np.sort(self.simplices, axis=1)
+        own = self.component_labels()[simplices[:, 0]] == index
+        return topology_of(simplices[own], self.num_samples)
 
     @functools.cached_property
     def _topology(self) -> Topology:

@@ -42,6 +42,9 @@ class Topology(ReadOnlyArrays):
     orientable : bool
         The simplices can be oriented alike across all (K-1)-faces; False where some
         such face has more than two cofaces.
+    boundary_components : int
+        Connected sets of (K-1)-faces in one simplex only (sharing a (K-2)-face; for
+        K = 1 each on its own).
     coface_counts : dict of int to int
         Number of (K-1)-faces by the number of K-simplices they lie in.
     singular_vertices : ndarray of int32
@@ -56,6 +59,7 @@ class Topology(ReadOnlyArrays):
     manifold: bool
     closed: bool
     orientable: bool
+    boundary_components: int
     coface_counts: dict[int, int]
     singular_vertices: NDArray[np.int32] = field(repr=False)
     _simplices: NDArray[np.int32] = field(repr=False)
@@ -163,6 +167,7 @@ def topology_of(
         manifold=len(simplices) > 0 and len(singular) == 0,
         closed=counts["closed"],
         orientable=len(simplices) > 0 and counts["orientable"],
+        boundary_components=counts["boundary_components"],
         coface_counts={
             cofaces: int(number)
             for cofaces, number in enumerate(counts["coface_counts"])

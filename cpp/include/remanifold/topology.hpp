@@ -33,6 +33,7 @@ struct Topology {
   Index components = 0;
   std::vector<Offset> coface_counts;  ///< (K-1)-faces by number of cofaces; [0] is 0
   bool pseudomanifold = false;        ///< no (K-1)-face has more than two cofaces
+  Index boundary_components = 0;      ///< connected sets of facets with one coface
   bool closed = false;                ///< every (K-1)-face has exactly two cofaces
   bool orientable = false;            ///< false where it is no pseudomanifold
   /// Sets of simplices connected through facets with two cofaces, that have no others;
