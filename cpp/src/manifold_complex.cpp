@@ -135,7 +135,8 @@ class ManifoldBuilder {
       }
     }
     if (dim_ > 1) {
-      const OrientedPatches patches = orient_patches(neighbors, arity_);
+      patches_ = orient_patches(neighbors, arity_);
+      const OrientedPatches& patches = patches_;
       const Offset largest =
           patches.sizes.empty()
               ? 0
@@ -150,6 +151,14 @@ class ManifoldBuilder {
     for (Offset s = 0; s < fixed_.size(); ++s) {
       if (freed[s] != 0) {
         detail::append_row(disputed_, fixed_[s]);
+      }
+    }
+    Offset kept = 0;
+    for (Offset s = 0; dim_ > 1 && s < fixed_.size(); ++s) {
+      if (freed[s] == 0) {
+        patches_.patch[kept] = patches_.patch[s];
+        patches_.sign[kept] = patches_.sign[s];
+        ++kept;
       }
     }
     detail::erase_rows(fixed_, freed);
@@ -194,7 +203,10 @@ class ManifoldBuilder {
         rim = numbers[rim / arity_] * arity_ + rim % arity_;
       }
     }
-    const ChainFill chain = fill_cavities(cavities, fixed_, samples_.size(),
+    // The orientation of the patches is that of the first time.
+    const OrientedPatches* patches =
+        fixed_.size() == num_agreed_ && dim_ > 1 ? &patches_ : nullptr;
+    const ChainFill chain = fill_cavities(cavities, fixed_, patches, samples_.size(),
                                           options_.chain, solver_, execution_);
     result_.report.cavities += chain.searched + chain.programs;
     result_.report.programs += chain.programs;
@@ -341,10 +353,11 @@ class ManifoldBuilder {
   std::vector<double> scales_;
   SimplexRuler ruler_;
 
-  SimplexArray fixed_;     // agreed simplices, then those chosen
-  SimplexArray disputed_;  // simplices of some stars
-  SimplexArray large_;     // agreed on, but large
-  SimplexArray pool_;      // candidates
+  OrientedPatches patches_;  // of the agreed simplices
+  SimplexArray fixed_;       // agreed simplices, then those chosen
+  SimplexArray disputed_;    // simplices of some stars
+  SimplexArray large_;       // agreed on, but large
+  SimplexArray pool_;        // candidates
   Offset num_agreed_ = 0;
   std::vector<std::uint8_t> unsettled_;  // samples at which facets may be open
   std::vector<Index> open_region_;       // samples around what stayed open, ascending

@@ -4,6 +4,7 @@
 #include "detail/cavity_search.hpp"
 #include "detail/parallel.hpp"
 #include "detail/rim_orientation.hpp"
+#include "detail/signed_sets.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -174,11 +175,13 @@ LinearProgram degree_program(const Cavities& cavities, Index cavity) {
 
 class ChainSolver {
  public:
-  ChainSolver(const Cavities& cavities, const SimplexArray& fixed, Index num_vertices,
+  ChainSolver(const Cavities& cavities, const SimplexArray& fixed,
+              const OrientedPatches* patches, Index num_vertices,
               const ChainOptions& options, const ProgramSolver& solver,
               const Execution& execution)
       : cavities_(cavities),
         fixed_(fixed),
+        patches_(patches),
         num_vertices_(num_vertices),
         options_(options),
         solver_(solver),
@@ -238,6 +241,51 @@ class ChainSolver {
         large_.push_back(c);
       }
     }
+  }
+
+  /// Whether a filling continues the orientation of the patches around it.
+  bool is_oriented(Index cavity, const std::vector<Index>& chosen) const {
+    if (patches_ == nullptr || fixed_.arity == 2) {
+      return true;
+    }
+    const int arity = fixed_.arity;
+    detail::SignedSets sets;
+    for (const Index* f = cavities_.facets_in.begin(cavity);
+         f != cavities_.facets_in.end(cavity); ++f) {
+      // A node for each patch and for each chosen simplex, at most two on a facet.
+      Offset node = -1;
+      FacetNumber number = 0;
+      int sign = 1;
+      const FacetNumber rim = cavities_.rims[*f];
+      if (rim != kOpen) {
+        const Index patch = patches_->patch[rim / arity];
+        if (patches_->orientable[patch] == 0) {
+          continue;
+        }
+        node = patch;
+        number = rim;
+        sign = patches_->sign[rim / arity];
+      }
+      for (const Index c : chosen) {
+        const Index* facets =
+            cavities_.facets_of.data() + static_cast<std::size_t>(c) * arity;
+        const auto position = std::find(facets, facets + arity, *f) - facets;
+        if (position == arity) {
+          continue;
+        }
+        const Offset other = static_cast<Offset>(patches_->sizes.size()) + c;
+        if (node >= 0) {
+          const int flip = flips_across(number, position, arity) ? -1 : 1;
+          if (!sets.join(node, other, sign * flip)) {
+            return false;
+          }
+        }
+        node = other;
+        number = position;
+        sign = 1;
+      }
+    }
+    return true;
   }
 
   void solve_degrees() {
@@ -423,6 +471,7 @@ class ChainSolver {
 
   const Cavities& cavities_;
   const SimplexArray& fixed_;
+  const OrientedPatches* patches_;
   Index num_vertices_;
   const ChainOptions& options_;
   const ProgramSolver& solver_;
@@ -434,9 +483,11 @@ class ChainSolver {
 }  // namespace
 
 ChainFill fill_cavities(const Cavities& cavities, const SimplexArray& fixed,
-                        Index num_vertices, const ChainOptions& options,
-                        const ProgramSolver& solver, const Execution& execution) {
-  return ChainSolver(cavities, fixed, num_vertices, options, solver, execution).run();
+                        const OrientedPatches* patches, Index num_vertices,
+                        const ChainOptions& options, const ProgramSolver& solver,
+                        const Execution& execution) {
+  return ChainSolver(cavities, fixed, patches, num_vertices, options, solver, execution)
+      .run();
 }
 
 }  // namespace remanifold

@@ -50,10 +50,13 @@ struct ChainFill {
   Index unsolved = 0;              ///< neither search nor solver came to an end
 };
 
-/// \param fixed  the fixed simplices that the cavities' rims refer to, all of them
+/// \param fixed    the fixed simplices that the cavities' rims refer to, all of them
+/// \param patches  their orientation, or null; a search is not believed where its filling
+///                 contradicts it
 /// \param num_vertices  more than any vertex
 ChainFill fill_cavities(const Cavities& cavities, const SimplexArray& fixed,
-                        Index num_vertices, const ChainOptions& options,
-                        const ProgramSolver& solver, const Execution& execution = {});
+                        const OrientedPatches* patches, Index num_vertices,
+                        const ChainOptions& options, const ProgramSolver& solver,
+                        const Execution& execution = {});
 
 }  // namespace remanifold
