@@ -3,6 +3,7 @@
 
 #include "detail/candidates.hpp"
 #include "detail/parallel.hpp"
+#include "detail/signed_sets.hpp"
 #include "detail/simplex_rows.hpp"
 #include "remanifold/cavities.hpp"
 #include "remanifold/curve_repair.hpp"
@@ -31,6 +32,8 @@ constexpr double kHoleAtRandom = 3.0;
 constexpr double kHoleEven = 1.4;
 /// On curves h spans more neighbors.
 constexpr double kHoleOfCurve = 0.6;
+/// Cosine of the angle at a facet above which a fold is sharp: less than 120 degrees.
+constexpr double kSharpFold = -0.5;
 /// Neighbors joined by edges for the widest choice of candidates where there is no
 /// ambient Delaunay triangulation.
 constexpr int kNeighborsPerDim = 4;
@@ -147,6 +150,9 @@ class ManifoldBuilder {
           freed[s] = 1;
         }
       }
+      if (std::count(patches.orientable.begin(), patches.orientable.end(), 0) > 0) {
+        free_twisted_folds(neighbors, freed);
+      }
     }
     for (Offset s = 0; s < fixed_.size(); ++s) {
       if (freed[s] != 0) {
@@ -163,6 +169,62 @@ class ManifoldBuilder {
     }
     detail::erase_rows(fixed_, freed);
     num_agreed_ = fixed_.size();
+  }
+
+  /// Where a patch has no orientation because of a sharp fold, its simplices there are not
+  /// to be believed: orients facet by facet, the flattest first, and frees both simplices
+  /// at sharp folds that contradict.
+  void free_twisted_folds(const std::vector<FacetNumber>& neighbors,
+                          std::vector<std::uint8_t>& freed) {
+    struct Crossing {
+      double fold;
+      FacetNumber a, b;
+      bool operator<(const Crossing& other) const {
+        return fold != other.fold ? fold < other.fold : a < other.a;
+      }
+    };
+    std::vector<Crossing> crossings;
+    std::vector<Index> facet(dim_);
+    for (std::size_t i = 0; i < neighbors.size(); ++i) {
+      const auto a = static_cast<FacetNumber>(i);
+      const FacetNumber b = neighbors[i];
+      if (b <= a || patches_.orientable[patches_.patch[a / arity_]] != 0) {
+        continue;
+      }
+      copy_facet(fixed_, a, facet.data());
+      crossings.push_back(
+          {ruler_.fold(facet.data(), dim_, fixed_[a / arity_][a % arity_],
+                       fixed_[b / arity_][b % arity_]),
+           a, b});
+    }
+    std::sort(crossings.begin(), crossings.end());
+    detail::SignedSets sets(fixed_.size());
+    bool changed = false;
+    for (const Crossing& crossing : crossings) {
+      const Offset s = crossing.a / arity_;
+      const Offset t = crossing.b / arity_;
+      const int product = flips_across(crossing.a, crossing.b, arity_) ? -1 : 1;
+      if (!sets.join(s, t, product) && crossing.fold > kSharpFold) {
+        freed[s] = freed[t] = 1;
+        changed = true;
+      }
+    }
+    if (changed) {
+      SimplexArray kept = fixed_;
+      detail::erase_rows(kept, freed);
+      const OrientedPatches again =
+          orient_patches(facet_neighbors(kept, samples_.size(), execution_), arity_);
+      Offset next = 0;
+      for (Offset s = 0; s < fixed_.size(); ++s) {
+        if (freed[s] == 0) {
+          patches_.patch[s] = again.patch[next];
+          patches_.sign[s] = again.sign[next];
+          ++next;
+        }
+      }
+      patches_.sizes = again.sizes;
+      patches_.orientable = again.orientable;
+    }
   }
 
   /// A sample whose star is all fixed has no open facet, nor room for a candidate.

@@ -249,7 +249,17 @@ class ChainSolver {
       return true;
     }
     const int arity = fixed_.arity;
-    detail::SignedSets sets;
+    std::vector<Index> patches;  // their nodes follow those of the chosen simplices
+    for (const Index* f = cavities_.facets_in.begin(cavity);
+         f != cavities_.facets_in.end(cavity); ++f) {
+      if (cavities_.rims[*f] != kOpen) {
+        patches.push_back(patches_->patch[cavities_.rims[*f] / arity]);
+      }
+    }
+    std::sort(patches.begin(), patches.end());
+    patches.erase(std::unique(patches.begin(), patches.end()), patches.end());
+    const auto num_chosen = static_cast<Offset>(chosen.size());
+    detail::SignedSets sets(num_chosen + static_cast<Offset>(patches.size()));
     for (const Index* f = cavities_.facets_in.begin(cavity);
          f != cavities_.facets_in.end(cavity); ++f) {
       // A node for each patch and for each chosen simplex, at most two on a facet.
@@ -262,18 +272,18 @@ class ChainSolver {
         if (patches_->orientable[patch] == 0) {
           continue;
         }
-        node = patch;
+        node = num_chosen + (std::lower_bound(patches.begin(), patches.end(), patch) -
+                             patches.begin());
         number = rim;
         sign = patches_->sign[rim / arity];
       }
-      for (const Index c : chosen) {
-        const Index* facets =
-            cavities_.facets_of.data() + static_cast<std::size_t>(c) * arity;
+      for (Offset other = 0; other < num_chosen; ++other) {
+        const Index* facets = cavities_.facets_of.data() +
+                              static_cast<std::size_t>(chosen[other]) * arity;
         const auto position = std::find(facets, facets + arity, *f) - facets;
         if (position == arity) {
           continue;
         }
-        const Offset other = static_cast<Offset>(patches_->sizes.size()) + c;
         if (node >= 0) {
           const int flip = flips_across(number, position, arity) ? -1 : 1;
           if (!sets.join(node, other, sign * flip)) {

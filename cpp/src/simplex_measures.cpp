@@ -128,6 +128,35 @@ double SimplexRuler::energy(const Index* vertices, int arity) const {
          std::pow(scale(vertices, arity), arity + 1);
 }
 
+double SimplexRuler::fold(const Index* facet, int arity, Index apex,
+                          Index other_apex) const {
+  // Both apexes less their projections on the facet.
+  const int dim = arity - 1;
+  const auto product = [&](Index a, Index b) {
+    return samples_.inner_product(facet[0], a, b);
+  };
+  double first = product(apex, apex);
+  double second = product(other_apex, other_apex);
+  double both = product(apex, other_apex);
+  if (dim > 0) {
+    Small gram(dim, dim);
+    Eigen::Matrix<double, Eigen::Dynamic, 2, 0, kMaxDim, 2> right(dim, 2);
+    for (int i = 0; i < dim; ++i) {
+      for (int j = 0; j <= i; ++j) {
+        gram(i, j) = gram(j, i) = product(facet[i + 1], facet[j + 1]);
+      }
+      right(i, 0) = product(facet[i + 1], apex);
+      right(i, 1) = product(facet[i + 1], other_apex);
+    }
+    const auto weights = Eigen::LDLT<Small>(gram).solve(right).eval();
+    first -= weights.col(0).dot(right.col(0));
+    second -= weights.col(1).dot(right.col(1));
+    both -= weights.col(0).dot(right.col(1));
+  }
+  const double lengths = std::sqrt(std::max(0.0, first) * std::max(0.0, second));
+  return lengths > 0 ? std::clamp(both / lengths, -1.0, 1.0) : 1.0;
+}
+
 double SimplexRuler::facet_size(const Index* vertices, int arity) const {
   return measure(vertices, arity).volume / std::pow(scale(vertices, arity), arity - 1);
 }

@@ -44,6 +44,9 @@ class SimplexRuler {
   /// between |x|^2 and its linear interpolant on the simplex, which a Delaunay
   /// triangulation minimises (Chen and Xu, Optimal Delaunay triangulations, 2004).
   double energy(const Index* vertices, int arity) const;
+  /// Cosine of the angle between two simplices at their common facet; -1 where they
+  /// continue each other without a fold.
+  double fold(const Index* facet, int arity, Index apex, Index other_apex) const;
   /// Volume of a (K-1)-simplex over h^(K-1).
   double facet_size(const Index* vertices, int arity) const;
 

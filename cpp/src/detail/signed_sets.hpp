@@ -3,41 +3,51 @@
 
 #include "remanifold/types.hpp"
 
-#include <unordered_map>
+#include <cstdint>
+#include <numeric>
 #include <utility>
+#include <vector>
 
 namespace remanifold::detail {
 
 /// Disjoint sets of nodes, each with a sign relative to the others of its set.
 class SignedSets {
  public:
+  explicit SignedSets(Offset size) : parent_(size), sign_(size, 1), count_(size, 1) {
+    std::iota(parent_.begin(), parent_.end(), Offset{0});
+  }
+
   /// Demands sign(a) * sign(b) = product.
   /// \returns false where that contradicts what was demanded before
   bool join(Offset a, Offset b, int product) {
-    const auto [root_a, sign_a] = find(a);
-    const auto [root_b, sign_b] = find(b);
+    auto [root_a, sign_a] = find(a);
+    auto [root_b, sign_b] = find(b);
     if (root_a == root_b) {
       return sign_a * sign_b == product;
     }
-    parents_[root_b] = {root_a, sign_a * sign_b * product};
+    if (count_[root_a] < count_[root_b]) {
+      std::swap(root_a, root_b);
+    }
+    parent_[root_b] = root_a;
+    sign_[root_b] = static_cast<std::int8_t>(sign_a * sign_b * product);
+    count_[root_a] += count_[root_b];
     return true;
   }
 
  private:
   /// The root, and the sign of the node relative to it.
-  std::pair<Offset, int> find(Offset node) {
+  std::pair<Offset, int> find(Offset node) const {
     int sign = 1;
-    for (;;) {
-      const auto [parent, relative] = parents_.try_emplace(node, node, 1).first->second;
-      if (parent == node) {
-        return {node, sign};
-      }
-      sign *= relative;
-      node = parent;
+    while (parent_[node] != node) {
+      sign *= sign_[node];
+      node = parent_[node];
     }
+    return {node, sign};
   }
 
-  std::unordered_map<Offset, std::pair<Offset, int>> parents_;
+  std::vector<Offset> parent_;
+  std::vector<std::int8_t> sign_;  // relative to the parent
+  std::vector<Offset> count_;
 };
 
 }  // namespace remanifold::detail
