@@ -32,7 +32,8 @@ mapfile -t public < <(sources cpp/include)
 mapfile -t not_flann < <(sources cpp tests/cpp | grep -v -e '^cpp/cmake/' \
   -e 'CMakeLists' -e '^cpp/src/neighborhoods\.cpp$')
 mapfile -t not_cgal < <(sources cpp tests/cpp | grep -v -e '^cpp/cmake/' \
-  -e 'CMakeLists' -e '^cpp/src/detail/convex_hull_[^/]*\.cpp$')
+  -e 'CMakeLists' -e '^cpp/src/detail/convex_hull_[^/]*\.cpp$' \
+  -e '^cpp/src/detail/candidates\.cpp$')
 mapfile -t unlicensed < <(sources '*.cpp' '*.hpp' '*.py' '*.pyi' '*.sh' '*.cmake' \
   '*CMakeLists.txt' Makefile | xargs grep -L 'SPDX-License-Identifier: GPL-3.0-or-later')
 

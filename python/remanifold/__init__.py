@@ -32,13 +32,14 @@ from remanifold.steps import (
     tangent_spaces,
 )
 from remanifold.topology import Topology, compute_topology
-from remanifold.warnings import RecallWarning, RemanifoldWarning
+from remanifold.warnings import ManifoldWarning, RecallWarning, RemanifoldWarning
 
 __version__: str = _core.__version__
 
 __all__ = [
     "EdgeSets",
     "LocalRegions",
+    "ManifoldWarning",
     "Neighborhoods",
     "RecallWarning",
     "Reconstruction",

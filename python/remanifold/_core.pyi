@@ -6,6 +6,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 _Progress: TypeAlias = Callable[[str, int, int], object] | None
+_Solver: TypeAlias = Callable[
+    [
+        NDArray[np.float64],
+        NDArray[np.float64],
+        NDArray[np.uint8],
+        NDArray[np.float64],
+        NDArray[np.float64],
+        NDArray[np.int64],
+        NDArray[np.int32],
+        NDArray[np.float64],
+        Callable[[], bool],
+    ],
+    NDArray[np.float64],
+]
 
 __version__: str
 
@@ -64,6 +78,21 @@ def reconstruct_paper(
     num_threads: int,
     progress: _Progress,
 ) -> dict[str, Any]: ...
+def reconstruct_manifold(
+    kind: str,
+    matrix: NDArray[np.float64],
+    dim: int,
+    num_neighbors: int,
+    estimator: str,
+    boundary: str,
+    boundary_samples: NDArray[np.bool_],
+    hole_radius: float,
+    search: str,
+    checks: int,
+    solve: _Solver | None,
+    num_threads: int,
+    progress: _Progress,
+) -> dict[str, Any]: ...
 def topology(
     simplices: NDArray[np.int32],
     num_vertices: int,
@@ -73,6 +102,7 @@ def topology(
 def component_labels(
     simplices: NDArray[np.int32], num_vertices: int
 ) -> NDArray[np.int32]: ...
+def face_sets(faces: NDArray[np.int32]) -> NDArray[np.int32]: ...
 def paper_report(
     simplices: NDArray[np.int32],
     edge_set_offsets: NDArray[np.int64],

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import operator
+from numbers import Real
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
@@ -144,12 +145,11 @@ def check_choice(value: Any, name: str, choices: tuple[str, ...]) -> str:
 
 
 def check_positive(value: Any, name: str) -> float:
-    """Accept a number above zero."""
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
+    """Accept a number above zero, and nothing that merely looks like one."""
+    if isinstance(value, bool) or not isinstance(value, Real):
         msg = f"{name} must be a number, got {value!r}"
-        raise TypeError(msg) from None
+        raise TypeError(msg)
+    number = float(value)
     if not (number > 0 and np.isfinite(number)):
         msg = f"{name} is {value!r}, expected a positive finite number"
         raise ValueError(msg)
@@ -170,7 +170,7 @@ def check_boundary(boundary: Any, num_samples: int) -> tuple[str, NDArray[np.boo
     if mask.shape != (num_samples,) or mask.dtype != np.bool_:
         msg = (
             f"boundary must be a bool array of shape ({num_samples},), got shape "
-            f"{mask.shape}, dtype {mask.dtype}"
+            f"{mask.shape} and dtype {mask.dtype}"
         )
         raise ValueError(msg)
     return "given", np.ascontiguousarray(mask)

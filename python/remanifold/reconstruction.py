@@ -141,10 +141,11 @@ class Reconstruction(ReadOnlyArrays):
         The samples, a view of the given array where that was C-contiguous float64; None
         where only `gram` or `distances` were given.
     simplices : ndarray, shape (M, K+1), int32
-        K-simplices, the lowest vertex first, rows in the order of their sorted vertices.
-        Manifold method: where a set of simplices connected through faces is orientable,
-        the order of the columns orients them alike, with positive volume where K = D and
-        where K = D - 1 and the set is closed (outward normals). Paper: columns ascend.
+        K-simplices, rows in the order of their sorted vertices. Columns ascend, but with
+        the manifold method the last two may have changed places: where a set of simplices
+        connected through faces is orientable, the order of the columns orients them
+        alike, with positive volume where K = D and where K = D - 1 and the set is closed
+        (outward normals).
     edges : ndarray, shape (E, 2), int32
         Edges of the simplices (paper: of the graph whose cliques they are), i < j,
         sorted.
@@ -249,12 +250,12 @@ class Reconstruction(ReadOnlyArrays):
         """What was disputed and mended, and what the result lacks; computed once."""
         own = self.representatives == np.arange(self.num_samples)
         merged = int(np.count_nonzero(~own))
-        if self.method == "manifold":
+        if self.edge_sets is None or self.stars is None:
             return Repair(method=self.method, merged_samples=merged, **self._report)
         report = _core.paper_report(
             self.simplices,
-            *(self.edge_sets or ()),
-            *(self.stars or ()),
+            *self.edge_sets,
+            *self.stars,
             self.boundary,
             0,
             None,
