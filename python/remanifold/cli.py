@@ -20,7 +20,7 @@ from rich.table import Table
 from rich.text import Text
 
 import remanifold as rm
-from remanifold._validation import check_num_neighbors
+from remanifold._validation import check_num_neighbors, check_positive
 from remanifold.io import check_output, read_points, write_mesh
 from remanifold.reconstruction import METHODS
 from remanifold.steps import EDGE_RULES, ESTIMATORS, SEARCHES
@@ -29,6 +29,7 @@ __all__ = ["app", "main"]
 
 # More would take longer than the reconstruction.
 MAX_SIMPLICES_FOR_ALGEBRA = 200_000
+BOUNDARIES: dict[str, str | bool] = {"auto": "auto", "closed": False}
 
 app = typer.Typer(
     name="remanifold",
@@ -52,14 +53,19 @@ def _version(wanted: bool) -> None:
         raise typer.Exit
 
 
-def _choice(words: tuple[str, ...], text: str) -> Any:
-    def check(word: str) -> str:
-        if word not in words:
+def _choice(words: tuple[str, ...], text: str, show_default: str | bool = True) -> Any:
+    def check(word: str | None) -> str | None:
+        if word is not None and word not in words:
             msg = f"{word!r} is not one of {', '.join(map(repr, words))}."
             raise typer.BadParameter(msg)
         return word
 
-    return typer.Option(metavar=f"[{'|'.join(words)}]", help=text, callback=check)
+    return typer.Option(
+        metavar=f"[{'|'.join(words)}]",
+        help=text,
+        callback=check,
+        show_default=show_default,
+    )
 
 
 @app.callback()
@@ -97,19 +103,47 @@ def reconstruct(
             "dimension.",
         ),
     ],
-    method: Annotated[str, _choice(METHODS, "Method.")] = "manifold",
+    method: Annotated[
+        str, _choice(METHODS, "Closed up to a manifold, or the paper's complex.")
+    ] = "manifold",
+    boundary: Annotated[
+        str,
+        _choice(
+            tuple(BOUNDARIES),
+            "Manifold method: leave wide holes open, or close everything.",
+        ),
+    ] = "auto",
+    hole_radius: Annotated[
+        float | None,
+        typer.Option(
+            show_default="2.6 for random samples to 1.4 for even ones",
+            help="Manifold method: radius of the smallest hole left open, in units of "
+            "the distance to the (2K+2)-th neighbor.",
+        ),
+    ] = None,
     num_neighbors: Annotated[
         int | None,
         typer.Option(
-            show_default="10 K", help="Neighbors per sample for the tangent spaces."
+            show_default="3 K (K + 3) / 2, or 10 K for paper",
+            help="Neighbors per sample for the tangent spaces.",
         ),
     ] = None,
     estimator: Annotated[
-        str, _choice(ESTIMATORS, "Estimator of the tangent spaces.")
-    ] = "enclosure",
+        str | None,
+        _choice(
+            ESTIMATORS,
+            "Estimator of the tangent spaces.",
+            "jet, or enclosure for paper",
+        ),
+    ] = None,
     edges: Annotated[
-        str, _choice(EDGE_RULES, "Keep edges seen from both ends, or from either.")
-    ] = "mutual",
+        str | None,
+        _choice(
+            EDGE_RULES,
+            "Paper's method: keep edges seen from both ends, or from either.",
+            "mutual",
+        ),
+    ] = None,
     search: Annotated[
         str, _choice(SEARCHES, "Search for the nearest neighbors.")
     ] = "auto",
@@ -126,6 +160,7 @@ def reconstruct(
     """Reconstruct a manifold from samples and write it as a mesh."""
     messages = Console(stderr=True, soft_wrap=True, highlight=False)
     try:
+        _check_method(method, boundary, hole_radius, edges)
         _check_usage(source, output, dim, num_neighbors)
         points, seconds_read = _timed(lambda: read_points(source))
         _check_usage(source, output, dim, num_neighbors, points.shape[1])
@@ -135,6 +170,8 @@ def reconstruct(
                 points,
                 dim,
                 method=method,
+                boundary=BOUNDARIES[boundary],
+                hole_radius=hole_radius,
                 num_neighbors=num_neighbors,
                 estimator=estimator,
                 edges=edges,
@@ -154,11 +191,15 @@ def reconstruct(
         raise typer.Exit(1) from None
 
     seconds = {"read": seconds_read, **report["seconds"], "write": seconds_written}
-    complaints = [str(warning.message) for warning in caught] + _complaints(report)
+    complaints = [str(warning.message) for warning in caught]
+    warned = any(issubclass(w.category, rm.ManifoldWarning) for w in caught)
+    complaints += _complaints(report, warned)
+    paper = method == "paper"
     report = {
         "input": str(source),
         "output": str(output),
         **report,
+        "boundary": None if paper else boundary,
         "seconds": seconds,
         "warnings": complaints,
     }
@@ -169,6 +210,26 @@ def reconstruct(
         typer.echo(json.dumps(report, indent=2))
     elif not quiet:
         Console(highlight=False).print(_table(report))
+
+
+def _check_method(
+    method: str, boundary: str, hole_radius: float | None, edges: str | None
+) -> None:
+    """Refuse what the method does not have."""
+    if method == "manifold" and edges is not None:
+        msg = "is for --method paper only."
+        raise typer.BadParameter(msg, param_hint="'--edges'")
+    if method == "paper" and boundary != "auto":
+        msg = "is for --method manifold only."
+        raise typer.BadParameter(msg, param_hint="'--boundary'")
+    if method == "paper" and hole_radius is not None:
+        msg = "is for --method manifold only."
+        raise typer.BadParameter(msg, param_hint="'--hole-radius'")
+    try:
+        if hole_radius is not None:
+            check_positive(hole_radius, "hole_radius")
+    except ValueError as error:
+        raise typer.BadParameter(str(error), param_hint="'--hole-radius'") from None
 
 
 def _check_usage(
@@ -201,6 +262,7 @@ def _timed(work: Callable[[], Any]) -> tuple[Any, float]:
 def _report(rec: rm.Reconstruction) -> dict[str, Any]:
     topology, seconds_topology = _timed(rec.topology)
     repair, seconds_repair = _timed(lambda: rec.repair)
+    manifold = rec.method == "manifold"
     return {
         "method": rec.method,
         "estimator": rec.estimator,
@@ -226,8 +288,14 @@ def _report(rec: rm.Reconstruction) -> dict[str, Any]:
         "merged_samples": repair.merged_samples,
         "unused_samples": len(repair.unused_vertices),
         "coface_counts": {str(n): f for n, f in topology.coface_counts.items()},
+        "hole_radius": repair.hole_radius if manifold else None,
+        "agreed_simplices": repair.num_agreed if manifold else None,
+        "disputed_simplices": len(repair.disputed_simplices) if manifold else None,
+        "filled_simplices": len(repair.filled_simplices) if manifold else None,
+        "inserted_samples": len(repair.inserted_vertices) if manifold else None,
+        "open_faces": len(repair.open_faces),
         "callous_faces": len(repair.callous_faces),
-        "unstarred_simplices": len(repair.unstarred_simplices),
+        "unstarred_simplices": None if manifold else len(repair.unstarred_simplices),
         "holes": repair.num_holes,
         "boundary_components": repair.num_boundary_components,
         "singular_vertices": len(topology.singular_vertices),
@@ -235,15 +303,23 @@ def _report(rec: rm.Reconstruction) -> dict[str, Any]:
     }
 
 
-def _complaints(report: dict[str, Any]) -> list[str]:
-    """Say what the result lacks."""
+def _complaints(report: dict[str, Any], warned: bool) -> list[str]:
+    """Say what the result lacks, unless the library has warned of it."""
     faces, simplices = _names(report["dim"])[-2:]
-    without = report["boundary_samples"]
+    unused = "{} samples are in no simplex"
+    if report["method"] == "paper":
+        unused += f" ({report['boundary_samples']:,} have no tangent space)"
     found = [
-        (
-            report["unused_samples"],
-            f"{{}} samples are in no simplex ({without:,} have no tangent space)",
-        ),
+        (report["unused_samples"], unused),
+        *([] if warned else _defects(report, faces, simplices)),
+    ]
+    return [text.format(f"{count:,}") for count, text in found if count]
+
+
+def _defects(
+    report: dict[str, Any], faces: str, simplices: str
+) -> list[tuple[int | None, str]]:
+    return [
         (report["callous_faces"], f"{{}} {faces} are in more than two {simplices}"),
         (
             report["unstarred_simplices"],
@@ -255,13 +331,26 @@ def _complaints(report: dict[str, Any]) -> list[str]:
             "no manifold: around {} vertices it is neither a ball nor half of one",
         ),
     ]
-    return [text.format(f"{count:,}") for count, text in found if count]
 
 
 def _table(report: dict[str, Any]) -> Table:
     names = _names(report["dim"])
+    faces, simplices = names[-2:]
     yes_no = {True: "yes", False: "no"}
+    counts = {
+        f"open {faces}": "open_faces",
+        f"callous {faces}": "callous_faces",
+        f"{simplices} in no star": "unstarred_simplices",
+        f"agreed {simplices}": "agreed_simplices",
+        f"disputed {simplices}": "disputed_simplices",
+        f"filled {simplices}": "filled_simplices",
+        "inserted samples": "inserted_samples",
+        "holes": "holes",
+        "boundary components": "boundary_components",
+        "singular vertices": "singular_vertices",
+    }
     rows = {
+        "method": report["method"],
         "samples": f"{report['num_samples']:,} in R^{report['ambient_dim']}",
         "dimension": str(report["dim"]),
         "simplices": ", ".join(
@@ -280,13 +369,19 @@ def _table(report: dict[str, Any]) -> Table:
         "orientable": yes_no[report["orientable"]],
         "boundary samples": f"{report['boundary_samples']:,}",
         "unused samples": f"{report['unused_samples']:,}",
-        f"{names[-2]} by {names[-1]}": ", ".join(
-            f"{faces:,} in {n}" for n, faces in report["coface_counts"].items()
+        **(
+            {}
+            if report["hole_radius"] is None
+            else {"hole radius": f"{report['hole_radius']:.3g}"}
         ),
-        f"callous {names[-2]}": f"{report['callous_faces']:,}",
-        f"{names[-1]} in no star": f"{report['unstarred_simplices']:,}",
-        "holes": f"{report['holes']:,}",
-        "boundary components": f"{report['boundary_components']:,}",
+        f"{faces} by {simplices}": ", ".join(
+            f"{number:,} in {n}" for n, number in report["coface_counts"].items()
+        ),
+        **{
+            name: f"{report[key]:,}"
+            for name, key in counts.items()
+            if report[key] is not None
+        },
         "seconds": "\n".join(
             f"{seconds:.2f} {step.replace('_', ' ')}"
             for step, seconds in report["seconds"].items()

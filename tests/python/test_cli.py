@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import os
 import pty
+import re
 import signal
 import subprocess
 import sys
@@ -18,15 +19,23 @@ from typer.testing import CliRunner
 import remanifold as rm
 from remanifold import cli
 from remanifold.io import read_points, write_mesh
+from remanifold.reconstruction import METHODS
 
 KEYS = {
     *("input", "output", "method", "estimator", "edges", "search", "num_neighbors"),
     *("num_samples", "ambient_dim", "dim", "num_simplices", "euler_characteristic"),
     *("components", "betti_numbers", "manifold", "closed", "orientable"),
     *("boundary_samples", "merged_samples", "unused_samples", "coface_counts"),
-    *("callous_faces", "unstarred_simplices", "holes", "boundary_components"),
-    *("singular_vertices", "seconds"),
-    "warnings",
+    *("open_faces", "callous_faces", "holes", "boundary_components"),
+    *("singular_vertices", "seconds", "warnings"),
+    *("boundary", "hole_radius", "agreed_simplices", "disputed_simplices"),
+    *("filled_simplices", "inserted_samples"),
+    "unstarred_simplices",
+}
+PAPER_ONLY = {"edges", "unstarred_simplices"}
+MANIFOLD_ONLY = {
+    *("boundary", "hole_radius", "agreed_simplices", "disputed_simplices"),
+    *("filled_simplices", "inserted_samples"),
 }
 
 
@@ -90,12 +99,14 @@ def circle(tmp_path):
 # --------------------------------------------------------------------- success
 
 
-def test_mesh_is_what_the_library_gives(tori, tmp_path):
-    result = run(tori, "--dim", 2, "-o", tmp_path / "mesh.npz")
+@pytest.mark.parametrize("method", METHODS)
+def test_mesh_is_what_the_library_gives(tori, tmp_path, method):
+    options = [] if method == "manifold" else ["--method", method]
+    result = run(tori, "--dim", 2, "-o", tmp_path / "mesh.npz", *options)
     assert result.exit_code == 0
     with np.load(tmp_path / "mesh.npz") as mesh:
         np.testing.assert_array_equal(mesh["points"], np.load(tori))
-        rec = rm.reconstruct(np.load(tori), 2)
+        rec = rm.reconstruct(np.load(tori), 2, method=method)
         np.testing.assert_array_equal(mesh["simplices"], rec.simplices)
     assert result.stderr == ""
 
@@ -107,12 +118,16 @@ def test_every_format(tori, tmp_path, suffix):
     assert len(read_points(output)) == 2160
 
 
+def rows_of(table):
+    rows = dict(line.split("  ", 1) for line in table.splitlines() if "  " in line)
+    return {name: value.strip() for name, value in rows.items()}
+
+
 def test_table(tori, tmp_path):
-    result = run(tori, "--dim", 2, "-o", tmp_path / "mesh.ply")
-    rows = dict(
-        line.split("  ", 1) for line in result.stdout.splitlines() if "  " in line
-    )
-    rows = {name: value.strip() for name, value in rows.items()}
+    options = ("--dim", 2, "-o", tmp_path / "mesh.ply")
+    result = run(tori, *options)
+    rows = rows_of(result.stdout)
+    assert rows["method"] == "manifold"
     assert rows["samples"] == "2,160 in R^3"
     assert rows["dimension"] == "2"
     assert rows["simplices"] == "2,160 vertices, 6,480 edges, 4,320 triangles"
@@ -125,14 +140,28 @@ def test_table(tori, tmp_path):
     for step in ("read", "neighborhoods", "tangent spaces", "local regions", "write"):
         assert step in result.stdout
     assert "mesh.ply" in result.stdout
+    rec = rm.reconstruct(np.load(tori), 2)
+    assert rows["agreed triangles"] == f"{rec.repair.num_agreed:,}"
+    assert rows["disputed triangles"] == f"{len(rec.repair.disputed_simplices):,}"
+    assert rows["filled triangles"] == f"{len(rec.repair.filled_simplices):,}"
+    for name in ("inserted samples", "open edges", "singular vertices"):
+        assert rows[name] == "0"
+    assert "triangles in no star" not in rows
+    rows = rows_of(run(tori, *options, "--method", "paper").stdout)
+    assert rows["method"] == "paper"
+    assert rows["triangles in no star"] == rows["callous edges"] == "0"
+    assert not any("agreed" in name or "filled" in name for name in rows)
 
 
 def test_json(tori, tmp_path):
     output = tmp_path / "mesh.ply"
-    result = run(tori, "--dim", 2, "-o", output, "--json", "--edges", "either")
+    options = ("--dim", 2, "-o", output, "--json", "--method", "paper")
+    result = run(tori, *options, "--edges", "either")
     assert result.exit_code == 0
     report = json.loads(result.stdout)
     assert set(report) == KEYS
+    assert {key for key, value in report.items() if value is None} == MANIFOLD_ONLY
+    assert report["method"] == "paper"
     assert report["input"] == str(tori)
     assert report["output"] == str(output)
     assert report["edges"] == "either"
@@ -146,6 +175,53 @@ def test_json(tori, tmp_path):
     assert [*report["seconds"]][:2] == ["read", "neighborhoods"]
     assert [*report["seconds"]][-2:] == ["report", "write"]
     assert all(seconds >= 0 for seconds in report["seconds"].values())
+
+
+def test_json_of_the_manifold_method(tmp_path):
+    points = rm.datasets.torus(400, random_state=0)
+    np.save(tmp_path / "torus.npy", np.vstack([points, points[:2], [[9, 9, 9]]]))
+    result = run(tmp_path / "torus.npy", "-k", 2, "-o", tmp_path / "a.ply", "--json")
+    assert result.exit_code == 0
+    report = json.loads(result.stdout)
+    assert set(report) == KEYS
+    assert {key for key, value in report.items() if value is None} == PAPER_ONLY
+    assert (report["method"], report["estimator"]) == ("manifold", "jet")
+    assert report["boundary"] == "auto"
+    assert 1.4 <= report["hole_radius"] <= 2.6
+    assert report["num_neighbors"] == 15
+    assert report["betti_numbers"] == [1, 2, 1]
+    repair = rm.reconstruct(np.load(tmp_path / "torus.npy"), 2).repair
+    assert report["agreed_simplices"] == repair.num_agreed > 600
+    assert report["disputed_simplices"] == len(repair.disputed_simplices) > 0
+    assert report["filled_simplices"] == len(repair.filled_simplices) > 0
+    assert report["inserted_samples"] == len(repair.inserted_vertices)
+    assert report["unused_samples"] == len(repair.unused_vertices) == 1
+    assert report["merged_samples"] == 2
+    for key in ("open_faces", "holes", "boundary_components", "singular_vertices"):
+        assert report[key] == 0, key
+    assert report["warnings"] == ["1 samples are in no simplex"]
+
+
+def test_boundary_and_hole_radius(tmp_path):
+    source, output = tmp_path / "cap.npy", tmp_path / "cap.ply"
+    np.save(source, rm.datasets.spherical_cap(400, random_state=0))
+
+    def report(*options):
+        result = run(source, "-k", 2, "-o", output, "--json", *options)
+        assert result.exit_code == 0
+        return json.loads(result.stdout)
+
+    found = report()
+    assert (found["boundary_components"], found["holes"]) == (1, 0)
+    assert found["open_faces"] > 10
+    assert found["warnings"] == []
+    found = report("--hole-radius", 100)
+    assert (found["boundary_components"], found["open_faces"]) == (0, 0)
+    assert found["hole_radius"] == 100
+    found = report("--boundary", "closed")
+    assert (found["boundary"], found["boundary_components"]) == ("closed", 0)
+    assert found["open_faces"] == found["holes"] == 0
+    assert found["betti_numbers"] == [1, 0, 1]
 
 
 def test_json_of_a_process_is_all_of_standard_output(circle, tmp_path):
@@ -163,16 +239,15 @@ def test_json_of_a_process_is_all_of_standard_output(circle, tmp_path):
 def test_what_the_result_lacks(tmp_path):
     np.save(tmp_path / "grid.npy", rm.datasets.figure_samples(9))
     output = tmp_path / "mesh.ply"
-    result = run(tmp_path / "grid.npy", "-k", 2, "-o", output, "--json")
+    options = ("-k", 2, "-o", output, "--json", "--method", "paper")
+    result = run(tmp_path / "grid.npy", *options)
     report = json.loads(result.stdout)
     holes = report["holes"]
     assert holes > 0
     assert report["warnings"] == [f"{holes} holes"]
     assert result.stderr == f"remanifold: warning: {holes} holes\n"
 
-    result = run(
-        *(tmp_path / "grid.npy", "-k", 2, "-o", output, "--json", "--edges", "either")
-    )
+    result = run(tmp_path / "grid.npy", *options, "--edges", "either")
     report = json.loads(result.stdout)
     assert report["callous_faces"] > 0
     assert report["coface_counts"]["3"] == report["callous_faces"]
@@ -185,7 +260,8 @@ def test_what_the_result_lacks(tmp_path):
 
 def test_samples_left_out_are_mentioned(tmp_path):
     np.save(tmp_path / "spiral.npy", rm.datasets.figure_samples(5))
-    result = run(tmp_path / "spiral.npy", "-k", 1, "-o", tmp_path / "a.vtk", "--json")
+    options = ("-k", 1, "-o", tmp_path / "a.vtk", "--json", "--method", "paper")
+    result = run(tmp_path / "spiral.npy", *options)
     report = json.loads(result.stdout)
     assert report["boundary_samples"] == report["unused_samples"] == 2
     assert "2 samples are in no simplex (2 have no tangent space)" in report["warnings"]
@@ -194,11 +270,12 @@ def test_samples_left_out_are_mentioned(tmp_path):
 def test_quiet(tmp_path):
     source, output = tmp_path / "grid.npy", tmp_path / "mesh.ply"
     np.save(source, rm.datasets.figure_samples(9))
-    result = run(source, "--dim", 2, "-o", output, "--quiet")
+    options = ("--dim", 2, "-o", output, "--method", "paper")
+    result = run(source, *options, "--quiet")
     assert result.exit_code == 0
     assert result.stdout == result.stderr == ""
     assert output.exists()
-    result = run(source, "--dim", 2, "-o", output, "-q", "--json")
+    result = run(source, *options, "-q", "--json")
     assert json.loads(result.stdout)["warnings"] != []
     assert result.stderr == ""
     code, shown, _ = run_on_terminal("reconstruct", source, "-k", 2, "-o", output, "-q")
@@ -234,17 +311,23 @@ def test_options_reach_the_library(tori, tmp_path, monkeypatch):
         ).exit_code
         == 0
     )
+    options = ("--boundary", "closed", "--hole-radius", 2.5)
+    assert run(tori, "--dim", 2, "-o", output, *options).exit_code == 0
     defaults = {
-        "method": "paper",
+        "method": "manifold",
+        "boundary": "auto",
+        "hole_radius": None,
         "num_neighbors": None,
-        "estimator": "enclosure",
-        "edges": "mutual",
+        "estimator": None,
+        "edges": None,
         "search": "auto",
         "num_threads": None,
         "progress": False,
     }
     chosen = {
         "method": "paper",
+        "boundary": "auto",
+        "hole_radius": None,
         "num_neighbors": 12,
         "estimator": "jet",
         "edges": "either",
@@ -252,7 +335,8 @@ def test_options_reach_the_library(tori, tmp_path, monkeypatch):
         "num_threads": 1,
         "progress": False,
     }
-    assert [options for _, options in calls] == [defaults, chosen]
+    closed = defaults | {"boundary": False, "hole_radius": 2.5}
+    assert [options for _, options in calls] == [defaults, chosen, closed]
     for (points, dim), _ in calls:
         np.testing.assert_array_equal(points, np.load(tori))
         assert dim == 2
@@ -271,6 +355,26 @@ def test_warnings_of_the_library_are_shown(tori, tmp_path, monkeypatch):
     assert result.stderr == "remanifold: warning: only some\n"
 
 
+def test_what_the_library_warned_of_is_said_once(tmp_path):
+    """A line is too long to be closed by one edge."""
+    points = np.sort(np.random.default_rng(0).uniform(size=(200, 2)), axis=0)
+    points[:, 1] = points[:, 0] ** 2
+    np.save(tmp_path / "line.npy", points)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        rm.reconstruct(points, 1, boundary=False)
+    assert [w.category for w in caught] == [rm.ManifoldWarning]
+    result = run(
+        *(tmp_path / "line.npy", "-k", 1, "-o", tmp_path / "a.ply", "--json"),
+        *("--boundary", "closed"),
+    )
+    assert result.exit_code == 0
+    (said,) = json.loads(result.stdout)["warnings"]
+    assert said == str(caught[0].message)
+    assert "holes where boundary= asks for none" in said
+    assert result.stderr == f"remanifold: warning: {said}\n"
+
+
 def test_version_and_help():
     done = run_process("--version")
     assert done.returncode == 0
@@ -279,6 +383,13 @@ def test_version_and_help():
     assert result.exit_code == 0
     for option in ("--dim", "--output", "--method", "--json", "--quiet", "--threads"):
         assert option in result.stdout
+    shown = " ".join(result.stdout.split())
+    assert "[manifold|paper]" in shown
+    assert "[auto|closed]" in shown
+    assert re.findall(r"\[default: \(?(.*?)\)?[;\]]", shown) == [
+        *("manifold", "auto", "2.6 for random samples to 1.4 for even ones"),
+        *("3 K (K + 3) / 2, or 10 K for paper", "jet, or enclosure for paper", "mutual", "auto", "all cores"),
+    ]
 
 
 def test_import_of_the_package_is_light():
@@ -310,6 +421,35 @@ def test_import_of_the_package_is_light():
         (["{tori}", "-k", "2", "-o", "{tori}"], "cannot write a mesh to .npy"),
         (["{tori}", "-k", "2", "-o", "{out}/a.ply", "--method", "x"], "'x' is not one"),
         (["{tori}", "-k", "2", "-o", "{out}/a.ply", "--edges", "and"], "'and' is not"),
+        (
+            ["{tori}", "-k", "2", "-o", "{out}/a.ply", "--edges", "mutual"],
+            "'--edges': is for --method paper only",
+        ),
+        (
+            ["{tori}", "-k", "2", "-o", "{out}/a.ply", "--boundary", "open"],
+            "'open' is not one of 'auto', 'closed'",
+        ),
+        (
+            [
+                *("{tori}", "-k", "2", "-o", "{out}/a.ply", "--method", "paper"),
+                *("--boundary", "closed"),
+            ],
+            "'--boundary': is for --method manifold only",
+        ),
+        (
+            [
+                *("{tori}", "-k", "2", "-o", "{out}/a.ply", "--method", "paper"),
+                *("--hole-radius", "2"),
+            ],
+            "'--hole-radius': is for --method manifold only",
+        ),
+        *(
+            (
+                ["{tori}", "-k", "2", "-o", "{out}/a.ply", "--hole-radius", radius],
+                "'--hole-radius'",
+            )
+            for radius in ("0", "-1", "nan", "inf", "wide")
+        ),
         (["{tori}", "-k", "2", "-o", "{out}/a.ply", "--threads", "0"], "'--threads'"),
         (
             ["{tori}", "-k", "2", "-o", "{out}/a.ply", "--num-neighbors", "2"],
