@@ -9,6 +9,10 @@ import pytest
 from scipy.spatial.distance import cdist
 
 import remanifold as rm
+from remanifold.reconstruction import METHODS
+
+# Samples of nothing in particular, where the result must lack something.
+pytestmark = pytest.mark.filterwarnings("ignore::remanifold.ManifoldWarning")
 
 POINTS = np.random.default_rng(0).normal(size=(30, 3))
 GRAM = POINTS @ POINTS.T
@@ -50,6 +54,8 @@ def call(function, argument, value):
     arguments = {**RIGHT[function], argument: value}
     if argument in ("gram", "distances"):
         del arguments["points"]
+    if function is rm.reconstruct and argument == "edges":
+        arguments["method"] = "paper"
     return function(**arguments)
 
 
@@ -81,6 +87,9 @@ def test_right_arguments_are_accepted():
         for argument, value in (("gram", GRAM), ("distances", DISTANCES)):
             if takes(function, argument):
                 call(function, argument, value)
+    for argument in ("method", "estimator", "edges", "boundary", "hole_radius"):
+        default = inspect.signature(rm.reconstruct).parameters[argument].default
+        call(rm.reconstruct, argument, default)
 
 
 # --- Samples --------------------------------------------------------------------
@@ -269,12 +278,26 @@ def words(*expected):
     ]
 
 
+def lengths():
+    return [
+        *(
+            (repr(value), value, ValueError, "expected a positive finite number")
+            for value in (0, -1, -0.0, np.nan, np.inf, np.float32(-2))
+        ),
+        *(
+            (repr(value), value, TypeError, "must be a number, got")
+            for value in ("3", True, np.bool_(True), [3], 3 + 0j, np.ones(2))
+        ),
+    ]
+
+
 NUMBERS_AND_WORDS = {
     "dim": [*integers(1), ("none", None, TypeError, "must be an integer, got None")],
     "num_neighbors": integers(1),
     "num_threads": integers(1),
     "checks": [*integers(1), ("none", None, TypeError, "must be an integer")],
-    "method": words("paper"),
+    "method": words(*METHODS),
+    "hole_radius": lengths(),
     "estimator": words("enclosure", "pca", "jet"),
     "edges": words("mutual", "either"),
     "search": words("auto", "kdtree", "brute_force", "approximate"),
@@ -293,6 +316,10 @@ def test_numbers_and_words(function, argument, value, error, says):
         says = says.replace("at least 1", "at least 3")
     if argument == "search" and function not in WITH_APPROXIMATE_SEARCH:
         says = says.replace(", 'approximate'", "$")
+    optional = function is rm.reconstruct and argument in ("estimator", "edges")
+    if optional and value is None:
+        call(function, argument, value)
+        return
     refused(function, argument, value, error, says)
 
 
@@ -339,6 +366,22 @@ def test_trees_need_points(function, argument):
             function(**{argument: samples}, search=search, **rest)
 
 
+@pytest.mark.parametrize(
+    ("method", "argument", "value", "says"),
+    [
+        ("manifold", "edges", "mutual", 'edges is for method="paper" only'),
+        ("manifold", "edges", "either", 'edges is for method="paper" only'),
+        ("manifold", "edges", "best", 'edges is for method="paper" only'),
+        ("paper", "boundary", False, 'boundary is for method="manifold" only'),
+        ("paper", "boundary", np.ones(30, bool), "boundary is for method="),
+        ("paper", "boundary", "none", 'boundary is .none., expected "auto"'),
+    ],
+)
+def test_arguments_of_one_method(method, argument, value, says):
+    with pytest.raises(ValueError, match=says):
+        rm.reconstruct(POINTS, 2, method=method, **{argument: value})
+
+
 # --- Bases and boundary ---------------------------------------------------------
 
 SHAPE = r"expected \(30, K, 3\) with 1 <= K <= 3"
@@ -383,6 +426,8 @@ FRAME_CASES = {
     ("function", "argument", "value", "error", "says"), table(FRAME_CASES)
 )
 def test_bases_and_boundary(function, argument, value, error, says):
+    if function is rm.reconstruct and isinstance(value, str | bool):
+        says = rf'boundary is {value!r}, expected "auto", False or a mask$'
     refused(function, argument, value, error, says)
 
 
@@ -433,6 +478,7 @@ def test_broken_rows(offsets, indices, error, says):
         (rm.clique_complex, "indices"),
         (rm.local_regions, "boundary"),
         (rm.edge_sets, "boundary"),
+        (rm.reconstruct, "boundary"),
     ],
 )
 def test_ragged(function, argument):

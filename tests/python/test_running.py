@@ -16,6 +16,7 @@ import pytest
 from scipy.spatial.distance import cdist
 
 import remanifold as rm
+from remanifold.reconstruction import METHODS
 
 STEPS = ["prepare", "neighborhoods", "tangent_spaces", "local_regions", "complex"]
 PROMPTLY = 5.0  # seconds, though a tenth is usual: the machine may be busy
@@ -39,7 +40,7 @@ KINDS = {
 
 
 def steps_of_points(dim, points):
-    rec = rm.reconstruct(points, dim)
+    rec = rm.reconstruct(points, dim, method="paper")
     frames, sets = (points, rec.tangents), rec.edge_sets
     return {
         "neighborhoods": lambda **o: rm.neighborhoods(points, 15, **o),
@@ -54,7 +55,8 @@ def steps_of_points(dim, points):
         "mutual": lambda **o: rm.clique_complex(*sets, dim, **o),
         "either": lambda **o: rm.clique_complex(*sets, dim, "either", **o),
         "topology": lambda **o: rm.compute_topology(rec.simplices, len(points), **o),
-        "reconstruct": lambda **o: rm.reconstruct(points, dim, **o),
+        "manifold": lambda **o: rm.reconstruct(points, dim, **o),
+        "paper": lambda **o: rm.reconstruct(points, dim, method="paper", **o),
     }
 
 
@@ -67,6 +69,7 @@ def steps_of_products(dim, points):
         "enclosure": lambda **o: rm.tangent_spaces(**gram, dim=dim, **o),
         "gram": lambda **o: rm.reconstruct(**gram, dim=dim, **o),
         "distances": lambda **o: rm.reconstruct(**distances, dim=dim, **o),
+        "paper": lambda **o: rm.reconstruct(**gram, dim=dim, method="paper", **o),
     }
 
 
@@ -76,6 +79,8 @@ def as_bytes(result):
         return f"{result.dtype}{result.shape}".encode() + result.tobytes()
     if dataclasses.is_dataclass(result):
         result = [value for name, value in vars(result).items() if name != "timings"]
+    if isinstance(result, dict):
+        result = [*result.keys(), *result.values()]
     if isinstance(result, list | tuple):
         return b"".join(map(as_bytes, result))
     return repr(result).encode()
@@ -118,7 +123,12 @@ def test_concurrent_calls_do_not_meet():
 @cache
 def large():
     points = rm.datasets.torus(100_000, random_state=0)
-    return points, rm.reconstruct(points, 2)
+    return points, {m: rm.reconstruct(points, 2, method=m) for m in METHODS}
+
+
+@cache
+def frames():
+    return large()[0], large()[1]["paper"].tangents
 
 
 @cache
@@ -132,19 +142,21 @@ def dense_graph():
 RUNS = {
     "neighborhoods": lambda **o: rm.neighborhoods(large()[0], 20, **o),
     "tangent_spaces": lambda **o: rm.tangent_spaces(large()[0], 2, **o),
-    "local_regions": lambda **o: rm.local_regions(large()[0], large()[1].tangents, **o),
-    "edge_sets": lambda **o: rm.edge_sets(large()[0], large()[1].tangents, **o),
+    "local_regions": lambda **o: rm.local_regions(*frames(), **o),
+    "edge_sets": lambda **o: rm.edge_sets(*frames(), **o),
     "clique_complex": lambda **o: rm.clique_complex(*dense_graph(), 3, **o),
     "compute_topology": lambda **o: rm.compute_topology(
-        large()[1].simplices, 100_000, **o
+        large()[1]["paper"].simplices, 100_000, **o
     ),
-    "reconstruct": lambda **o: rm.reconstruct(large()[0], 2, **o),
+    "manifold": lambda **o: rm.reconstruct(large()[0], 2, **o),
+    "paper": lambda **o: rm.reconstruct(large()[0], 2, method="paper", **o),
 }
 ALSO_CALLED = {
     "edge_sets": "local_regions",
     "clique_complex": "complex",
     "compute_topology": "topology",
-    "reconstruct": "local_regions",
+    "manifold": "complex",
+    "paper": "local_regions",
 }
 
 
@@ -167,12 +179,13 @@ def test_progress_counts_steps_in_order(name):
     assert [step for step in [*STEPS, "topology"] if step in seen] == seen
     order = [(seen.index(step), done) for step, done, _ in calls]
     assert order == sorted(order)
-    assert name in ("clique_complex", "reconstruct") or "complex" not in seen
+    assert name in ("clique_complex", *METHODS) or "complex" not in seen
 
 
-def test_progress_changes_nothing():
-    found = RUNS["reconstruct"](progress=lambda *_: None)
-    assert as_bytes(found) == as_bytes(large()[1])
+@pytest.mark.parametrize("method", METHODS)
+def test_progress_changes_nothing(method):
+    found = RUNS[method](progress=lambda *_: None)
+    assert as_bytes(found) == as_bytes(large()[1][method])
 
 
 @pytest.mark.parametrize("progress", [None, False, True])
@@ -190,7 +203,8 @@ class Stop(Exception):
     [
         *((name, Stop("enough")) for name in RUNS),
         ("neighborhoods", KeyboardInterrupt()),
-        ("reconstruct", SystemExit(3)),
+        ("manifold", SystemExit(3)),
+        ("paper", SystemExit(3)),
     ],
 )
 def test_errors_of_the_callback_come_out(name, error):
@@ -221,13 +235,14 @@ def many_coordinates():
 def many_products():
     points = sphere(600, 5, 6)
     gram = points @ points.T
-    return lambda **o: rm.reconstruct(gram=gram, dim=5, num_neighbors=300, **o)
+    arguments = {"gram": gram, "dim": 5, "method": "paper", "num_neighbors": 300}
+    return lambda **o: rm.reconstruct(**arguments, **o)
 
 
 @cache
 def dim_6():
     points = sphere(1000, 6, 7)
-    return lambda **o: rm.reconstruct(points, 6, **o)
+    return lambda **o: rm.reconstruct(points, 6, method="paper", **o)
 
 
 @cache
@@ -324,7 +339,7 @@ import numpy as np
 import remanifold as rm
 points = np.random.default_rng(0).normal(size=(3000, 2))
 print("ready", flush=True)
-rm.reconstruct(points, 2, num_neighbors=2900, num_threads=1)
+rm.reconstruct(points, 2, method="paper", num_neighbors=2900, num_threads=1)
 """
     with subprocess.Popen(
         [sys.executable, "-c", script],
@@ -375,9 +390,9 @@ def test_other_threads_run_meanwhile(name):
 def test_an_interrupt_is_for_the_main_thread():
     """A run of another thread goes on; the main thread gets the exception."""
     with ThreadPoolExecutor(1) as pool:
-        running = pool.submit(RUNS["reconstruct"], num_threads=1)
+        running = pool.submit(RUNS["manifold"], num_threads=1)
         with pytest.raises(KeyboardInterrupt):  # noqa: PT012
             signal.raise_signal(signal.SIGINT)
             time.sleep(5)
         found = running.result(timeout=60)
-    assert as_bytes(found) == as_bytes(large()[1])
+    assert as_bytes(found) == as_bytes(large()[1]["manifold"])

@@ -11,6 +11,7 @@ import pytest
 from scipy.sparse.csgraph import connected_components
 
 import remanifold as rm
+from remanifold.reconstruction import METHODS
 
 # --- Complexes: sets of simplices, which are sets of vertices of any kind ---------
 
@@ -497,7 +498,7 @@ def disk(radius=7.0):
 
 @pytest.fixture(scope="module")
 def plate():
-    rec = rm.reconstruct(disk(), 2)
+    rec = rm.reconstruct(disk(), 2, method="paper")
     topology = rec.topology()
     assert topology.manifold
     assert topology.betti_numbers == (1, 0, 0)
@@ -589,23 +590,26 @@ def test_a_notch_in_the_rim_is_no_hole(plate):
     assert (report.num_holes, report.num_boundary_components) == (0, 1)
 
 
-def test_boundaries_of_several_parts():
-    rec = rm.reconstruct(np.vstack([disk(5.0), disk(5.0) + 99]), 2)
+@pytest.mark.parametrize("method", METHODS)
+def test_boundaries_of_several_parts(method):
+    rec = rm.reconstruct(np.vstack([disk(5.0), disk(5.0) + 99]), 2, method=method)
     assert (rec.repair.num_holes, rec.repair.num_boundary_components) == (0, 2)
     ring = disk(10.0)
     ring = ring[np.linalg.norm(ring, axis=1) > 5.0]
-    rec = rm.reconstruct(ring, 2, num_neighbors=8)
+    rec = rm.reconstruct(ring, 2, method=method, num_neighbors=8)
     assert rec.topology().betti_numbers == (1, 1, 0)
     assert (rec.repair.num_holes, rec.repair.num_boundary_components) == (0, 2)
 
 
-def test_ends_of_curves():
+@pytest.mark.parametrize("method", METHODS)
+def test_ends_of_curves(method):
     t = np.sort(np.random.default_rng(0).uniform(size=60))
     arc = np.stack([t, t**2], axis=1)
-    rec = rm.reconstruct(np.vstack([arc, arc + 9]), 1)
+    rec = rm.reconstruct(np.vstack([arc, arc + 9]), 1, method=method)
     assert len(rec.repair.open_faces) == 4
     assert rec.repair.num_boundary_components == 4
-    closed = rm.reconstruct(rm.datasets.circle(60, random_state=0), 1)
+    circle = rm.datasets.circle(60, random_state=0)
+    closed = rm.reconstruct(circle, 1, method=method)
     assert closed.repair.open_faces.shape == (0, 1)
     assert closed.repair.num_boundary_components == 0
 
@@ -626,7 +630,7 @@ SAMPLES = {
 def test_reports_follow_their_definitions(name):
     dim, points = SAMPLES[name]
     n = len(points)
-    rec = rm.reconstruct(np.vstack([points, points[:3]]), dim)
+    rec = rm.reconstruct(np.vstack([points, points[:3]]), dim, method="paper")
     report = rec.repair
     assert report.callous_faces.tolist() == faces_of(rec, lambda count: count > 2)
     assert report.open_faces.tolist() == faces_of(rec, lambda count: count == 1)
