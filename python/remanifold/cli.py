@@ -116,7 +116,7 @@ def reconstruct(
     hole_radius: Annotated[
         float | None,
         typer.Option(
-            show_default="2.6 for random samples to 1.4 for even ones",
+            show_default="by how evenly the samples lie",
             help="Manifold method: radius of the smallest hole left open, in units of "
             "the distance to the (2K+2)-th neighbor.",
         ),

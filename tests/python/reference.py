@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The definitions of Freedman (2002), section 3, transcribed slowly.
+"""The definitions of Freedman (2002), section 3, and of the chain, transcribed slowly.
 
 Nothing here is shared with the compiled core and nothing is clever: every step
 runs over *all* samples, with the formulas of the paper where it has any and with
@@ -9,9 +9,13 @@ Decisions of floating point can be ties.  The ``*_margin`` functions say how far
 from a tie one was, so that a comparison can tell a wrong answer from an answer
 that rounding was free to choose.
 
+The section before the last has the manifold method up to the cavities that close at the
+first attempt, with a general solver where the core has programs of its own.
+
 The last section draws the samples that the comparisons run on.
 """
 
+import math
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from functools import cache
@@ -21,6 +25,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 import scipy.optimize
+import scipy.sparse
+import scipy.sparse.csgraph
 import scipy.spatial
 
 Floats = npt.NDArray[np.float64]
@@ -362,12 +368,224 @@ def reconstruct(
     return Complex(nbds, tangents, regions, pairs, cliques(pairs, dim + 1))
 
 
-def agreed(regions: Sequence[Region | None], dim: int) -> Ints:
-    """Simplices that are in the stars of all their vertices."""
+def votes(regions: Sequence[Region | None], dim: int) -> tuple[Ints, Ints]:
+    """Star simplices that are in the stars of all their vertices, and the others."""
     stars = [np.sort(region.star, axis=1) for region in regions if region is not None]
     stars.append(np.empty((0, dim + 1), np.int64))
-    simplices, votes = np.unique(np.vstack(stars), axis=0, return_counts=True)
-    return np.asarray(simplices[votes == dim + 1])
+    simplices, number = np.unique(np.vstack(stars), axis=0, return_counts=True)
+    return simplices[number == dim + 1], simplices[number <= dim]
+
+
+def agreed(regions: Sequence[Region | None], dim: int) -> Ints:
+    """Simplices that are in the stars of all their vertices."""
+    return votes(regions, dim)[0]
+
+
+# --- The chain of least energy -------------------------------------------------
+
+FIXED_RADIUS = 2.5  # of simplices that stay as they are, in local scales
+FIXED_SHARE = 0.7  # of the radius of a hole
+LARGEST_RADIUS = 12.0  # of simplices at all
+SMALLEST_PATCH = 20
+FORBIDDEN = 1e5  # price of an open facet, times its size
+
+
+def median(values: Floats) -> float:
+    """The middle one, of an even number the lower of the two."""
+    return float(np.sort(values)[(len(values) - 1) // 2])
+
+
+def local_scales(points: Floats, dim: int, num_neighbors: int) -> Floats:
+    """h: distances to a neighbor of fixed rank, smoothed by a median over neighbors."""
+    rank = min(10 if dim == 1 else 2 * dim + 2, num_neighbors, len(points) - 1)
+    nearest, distances = neighborhoods(points, rank)
+    around = np.column_stack([np.arange(len(points)), nearest])
+    return np.array([median(row) for row in distances[:, -1][around]])
+
+
+def volumes(corners: Floats) -> Floats:
+    """Volumes of simplices (T, K+1, D)."""
+    dim = corners.shape[1] - 1
+    if dim == 0:
+        return np.ones(len(corners))
+    factor = np.linalg.svd(corners[:, 1:] - corners[:, :1], compute_uv=False)
+    return np.asarray(factor.prod(axis=1) / math.factorial(dim))
+
+
+def circumradii(corners: Floats) -> Floats:
+    """Distances from the corners to the point of their plane as far from all."""
+    edges = corners[:, 1:] - corners[:, :1]
+    half = np.square(edges).sum(axis=2) / 2
+    # Of all solutions the shortest, which lies in the plane.
+    center = (np.linalg.pinv(edges) @ half[..., None])[..., 0]
+    return np.asarray(np.linalg.norm(center, axis=1))
+
+
+def squared_edges(corners: Floats) -> Floats:
+    """The sum over all edges of a simplex."""
+    pairs = combinations(range(corners.shape[1]), 2)
+    return np.asarray(
+        sum(np.square(corners[:, i] - corners[:, j]).sum(axis=1) for i, j in pairs)
+    )
+
+
+def energies(points: Floats, scales: Floats, simplices: Ints) -> Floats:
+    """Volume times squared edges, in local scales."""
+    corners = points[simplices]
+    unit = scales[simplices].mean(axis=1) ** (simplices.shape[1] + 1)
+    return volumes(corners) * squared_edges(corners) / unit
+
+
+def facets_of(simplices: Ints) -> tuple[Ints, Ints]:
+    """Facets, each once, and which of them each simplex has."""
+    count, arity = simplices.shape
+    rows = np.vstack([np.delete(simplices, i, axis=1) for i in range(arity)])
+    facets, inverse = np.unique(rows, axis=0, return_inverse=True)
+    return facets, inverse.reshape(arity, count).T
+
+
+def patches(simplices: Ints) -> Ints:
+    """Sets of simplices connected through facets, by number."""
+    facets, which = facets_of(simplices)
+    size = (len(simplices), len(facets))
+    entries = (np.repeat(np.arange(size[0]), which.shape[1]), which.ravel())
+    has = scipy.sparse.csr_array((np.ones(which.size), entries), shape=size)
+    labels = scipy.sparse.csgraph.connected_components(has @ has.T)[1]
+    return np.asarray(labels, np.int64)
+
+
+class Cavities(NamedTuple):
+    fixed: Ints
+    candidates: Ints
+    energies: Floats
+    facets: Ints  # of the candidates
+    has: Ints  # (candidates, K+1), positions in facets
+    fixed_cofaces: Ints  # of each facet
+    prices: Floats  # of leaving it open
+    dead_ends: int  # facets of one fixed simplex and no candidate
+
+
+def cavities(
+    points: Floats,
+    regions: Sequence[Region | None],
+    dim: int,
+    scales: Floats,
+    hole_radius: float | None,
+) -> Cavities:
+    """What all samples agree on, and what may go between; no hole where it is None."""
+    common, disputed = votes(regions, dim)
+    simplices = np.vstack([common, disputed])
+    radii = circumradii(points[simplices]) / scales[simplices].mean(axis=1)
+    limit = FIXED_RADIUS
+    if hole_radius is not None:
+        limit = min(limit, FIXED_SHARE * hole_radius)
+    fixed = (np.arange(len(simplices)) < len(common)) & (radii <= limit)
+    usable = radii <= LARGEST_RADIUS
+
+    facets, has = facets_of(simplices)
+    cofaces = np.bincount(has[fixed].ravel(), minlength=len(facets))
+    fixed &= ~(cofaces[has] > 2).any(axis=1)
+    if dim > 1 and fixed.any():
+        labels = patches(simplices[fixed])
+        sizes = np.bincount(labels)
+        small = (sizes < SMALLEST_PATCH) & (sizes < sizes.max())
+        fixed[fixed] = ~small[labels]
+
+    # Where the star of a sample is all there, nothing more has room.
+    own = np.bincount(simplices[fixed].ravel(), minlength=len(points))
+    full = np.array(
+        [
+            region is not None and not region.unbounded and own[x] == len(region.star)
+            for x, region in enumerate(regions)
+        ]
+    )
+    cofaces = np.bincount(has[fixed].ravel(), minlength=len(facets))
+    candidate = usable & ~fixed & (cofaces[has] < 2).all(axis=1)
+    candidate &= ~full[simplices].any(axis=1)
+
+    chosen = simplices[candidate]
+    used, has = np.unique(has[candidate], return_inverse=True)
+    size = volumes(points[facets[used]]) / scales[facets[used]].mean(axis=1) ** (
+        dim - 1
+    )
+    price = FORBIDDEN
+    if hole_radius is not None:
+        price = 2 * (dim + 1) / dim * hole_radius**3
+    return Cavities(
+        simplices[fixed],
+        chosen,
+        energies(points, scales, chosen),
+        facets[used],
+        has.reshape(-1, dim + 1),
+        cofaces[used],
+        price * size,
+        int((cofaces == 1).sum() - (cofaces[used] == 1).sum()),
+    )
+
+
+class Filling(NamedTuple):
+    chosen: Bools  # of the candidates
+    energy: float  # of these and of what is left open
+    open_facets: int
+    unique: bool
+
+
+def fill(cavities: Cavities, gap: float = 1e-7) -> Filling:
+    """The filling of least energy, by an integer program over unoriented simplices.
+
+    Every facet has none, one or two cofaces; of one it is open, at its price. On curves
+    every sample is to have two edges. Unique is a filling when the next best one has an
+    energy larger by more than the relative ``gap``.
+    """
+    count, arity = cavities.has.shape
+    num_facets = len(cavities.facets)
+    if count == 0:
+        return Filling(np.zeros(0, bool), 0.0, 0, True)
+    entries = (cavities.has.ravel(), np.repeat(np.arange(count), arity))
+    cofaces = scipy.sparse.csr_array(
+        (np.ones(count * arity), entries), shape=(num_facets, count)
+    )
+    one = scipy.sparse.eye_array(num_facets)
+    wanted = np.where(cavities.fixed_cofaces > 0, 1.0, 2.0)
+    if arity == 2:  # cofaces + open = wanted
+        twice, low, high = 0 * one, wanted, wanted
+        most_open = wanted
+    else:  # fixed cofaces + cofaces + open = 0 or 2
+        twice, low = -2 * one, -cavities.fixed_cofaces
+        high, most_open = low, np.ones(num_facets)
+    matrix = scipy.sparse.hstack([cofaces, one, twice])
+    costs = np.concatenate([cavities.energies, cavities.prices, np.zeros(num_facets)])
+    bounds = scipy.optimize.Bounds(
+        0, np.concatenate([np.ones(count), most_open, np.ones(num_facets)])
+    )
+    rules = [scipy.optimize.LinearConstraint(matrix, low, high)]
+
+    def solve() -> tuple[Floats, float]:
+        result = scipy.optimize.milp(
+            costs,
+            integrality=np.ones(len(costs)),
+            bounds=bounds,
+            constraints=rules,
+            options={"mip_rel_gap": 0.0},
+        )
+        assert result.success or result.status == 2, result.message  # infeasible
+        if result.x is None:
+            return np.empty(0), np.inf
+        x = np.round(result.x)
+        return x, float(costs @ x)
+
+    x, energy = solve()
+    chosen = x[:count] > 0.5
+    # Anything but this.
+    other = np.concatenate([np.where(chosen, -1.0, 1.0), np.zeros(2 * num_facets)])
+    rules.append(scipy.optimize.LinearConstraint(other[None], 1 - chosen.sum(), np.inf))
+    _, second = solve()
+    return Filling(
+        chosen,
+        energy,
+        int(x[count : count + num_facets].sum()),
+        second > energy + gap * max(energy, 1.0),
+    )
 
 
 # --- Samples -------------------------------------------------------------------

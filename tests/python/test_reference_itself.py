@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The reference on what is known by other means: it must be right to judge."""
 
+import math
 from fractions import Fraction
 from itertools import combinations
 
@@ -176,3 +177,83 @@ def test_inner_products_or_distances_alone_give_the_same_complex(dim):
         )
         np.testing.assert_array_equal(result.edges, expected.edges)
         np.testing.assert_array_equal(result.simplices, expected.simplices)
+
+
+# --- The chain ------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("dim", [1, 2, 3, 4])
+def test_measures_of_regular_simplices(dim):
+    corners = ref.embedded(np.eye(dim + 1), dim + 3, np.random.default_rng(dim))[None]
+    edges = dim * (dim + 1) // 2
+    volume = np.sqrt(dim + 1) / math.factorial(dim)
+    assert ref.volumes(corners) == pytest.approx(volume)
+    assert ref.circumradii(corners) == pytest.approx(np.sqrt(dim / (dim + 1)))
+    assert ref.squared_edges(corners) == pytest.approx(2 * edges)
+    scales = np.full(dim + 1, 3.0)
+    energy = ref.energies(corners[0], scales, np.arange(dim + 1)[None])
+    assert energy == pytest.approx(volume * 2 * edges / 3 ** (dim + 2))
+
+
+def test_scales_are_medians_of_distances_to_a_neighbor():
+    line = np.arange(40.0)[:, None]
+    # The sixth neighbor is three away, the tenth five; at the ends they are farther.
+    assert ref.local_scales(line, 2, 15)[6:34].tolist() == [3] * 28
+    assert ref.local_scales(line, 1, 15)[10:30].tolist() == [5] * 20
+    assert ref.local_scales(line, 1, 6)[6:34].tolist() == [3] * 28
+    # The second neighbors of these are 3, 2, 3, 6, 12 away, the third 7, 6, 4, 7, 14.
+    wide = np.array([[0.0], [1], [3], [7], [15]])
+    assert ref.local_scales(wide, 2, 2).tolist() == [3, 3, 3, 3, 6]
+    assert ref.local_scales(wide, 2, 3).tolist() == [6, 6, 6, 6, 6]
+
+
+def test_patches_are_connected_through_facets():
+    triangles = np.array([[0, 1, 2], [1, 2, 3], [3, 4, 5], [4, 5, 6], [6, 7, 8]])
+    labels = ref.patches(triangles)
+    assert labels[0] == labels[1] != labels[2] == labels[3] != labels[4] != labels[0]
+
+
+def square_hole(prices=50.0):
+    """A square with a corner raised: two ways to fill it, and facets to leave open."""
+    points = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0.2], [0, 1, 0]])
+    candidates = np.array(list(combinations(range(4), 3)))
+    facets, has = ref.facets_of(candidates)
+    rim = [tuple(f) not in ((0, 2), (1, 3)) for f in facets.tolist()]
+    return ref.Cavities(
+        np.empty((0, 3), int),
+        candidates,
+        ref.energies(points, np.ones(4), candidates),
+        facets,
+        has,
+        np.array(rim, int),
+        np.full(len(facets), prices),
+        0,
+    )
+
+
+def test_the_cheapest_diagonal_fills_a_square():
+    cavity = square_hole()
+    filling = ref.fill(cavity)
+    chosen = set(map(tuple, cavity.candidates[filling.chosen].tolist()))
+    assert chosen == {(0, 1, 3), (1, 2, 3)}  # the diagonal that is not raised
+    assert filling.energy == pytest.approx(cavity.energies[filling.chosen].sum())
+    assert (filling.open_facets, filling.unique) == (0, True)
+    # Every choice by itself.
+    best = min(
+        sum(cavity.energies[list(choice)])
+        for choice in ([0, 2], [1, 3])  # 012 + 023, 013 + 123
+    )
+    assert filling.energy == pytest.approx(best)
+
+
+def test_a_hole_stays_where_that_is_cheaper():
+    filling = ref.fill(square_hole(prices=0.1))
+    assert not filling.chosen.any()
+    assert filling.open_facets == 4
+    assert filling.energy == pytest.approx(0.4)
+
+
+def test_ties_are_not_unique():
+    cavity = square_hole()
+    flat = cavity._replace(energies=np.full(4, 0.5))
+    assert not ref.fill(flat).unique
