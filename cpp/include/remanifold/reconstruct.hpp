@@ -59,10 +59,10 @@ Reconstruction reconstruct(const Samples& samples, const ReconstructOptions& opt
 
 struct ManifoldReconstruction {
   int dim = 0;
-  /// K-simplices: each simplex once, the lowest vertex first, rows in the order of their
-  /// vertices. Where a patch of simplices has an orientation, the order of the columns is
-  /// alike across facets; with K = D, and with K = D - 1 where the patch is closed, it
-  /// gives a positive volume.
+  /// K-simplices: each simplex once, rows in the order of their sorted vertices. Columns
+  /// ascend, but the last two may have changed places: where a patch of simplices has an
+  /// orientation, the order of the columns is alike across facets; with K = D, and with
+  /// K = D - 1 where the patch is closed, it gives a positive volume.
   SimplexArray simplices;
   SimplexArray edges;
   ManifoldReport report;
