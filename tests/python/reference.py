@@ -545,7 +545,7 @@ def fill(cavities: Cavities, gap: float = 1e-7) -> Filling:
     cofaces = scipy.sparse.csr_array(
         (np.ones(count * arity), entries), shape=(num_facets, count)
     )
-    one = scipy.sparse.eye_array(num_facets)
+    one = scipy.sparse.csr_array(scipy.sparse.identity(num_facets))
     wanted = np.where(cavities.fixed_cofaces > 0, 1.0, 2.0)
     if arity == 2:  # cofaces + open = wanted
         twice, low, high = 0 * one, wanted, wanted
