@@ -50,16 +50,21 @@ def draw_points(axes, points, view, size=4.0):
 
 
 def draw_simplices(
-    axes, points, simplices, view, alarm=None, gaps=None, line_width=0.25
+    axes, points, simplices, view, alarm=None, gaps=None, line_width=0.25, colors=None
 ):
-    """Draw edges or triangles, those marked by ``alarm`` in red, ``gaps`` in blue."""
+    """Draw edges or triangles, those marked by ``alarm`` in red, ``gaps`` in blue.
+
+    Triangles may have other ``colors``, a row of red, green and blue each.
+    """
     projected = project(points, view)
     alarm = np.zeros(len(simplices), dtype=bool) if alarm is None else alarm
     if simplices.shape[1] == 2:
         _draw_edges(axes, projected[simplices], alarm)
     else:
         gaps = np.empty((0, 2), dtype=int) if gaps is None else gaps
-        _draw_triangles(axes, projected[simplices], alarm, projected[gaps], line_width)
+        if colors is None:
+            colors = np.where(alarm[:, None], ALARM_COLOR, MESH_COLOR)
+        _draw_triangles(axes, projected[simplices], colors, projected[gaps], line_width)
     _frame(axes)
 
 
@@ -74,14 +79,14 @@ def _draw_edges(axes, corners, alarm):
     )
 
 
-def _draw_triangles(axes, corners, alarm, gaps, line_width):
+def _draw_triangles(axes, corners, colors, gaps, line_width):
     sides = corners[:, 1:] - corners[:, :1]
     normals = np.cross(sides[:, 0], sides[:, 1])
     length = np.linalg.norm(normals, axis=1, keepdims=True)
     normals /= np.where(length > 0, length, 1.0)
     normals *= np.where(normals[:, 2:] < 0, -1.0, 1.0)  # both sides are lit
     shade = 0.36 + 0.64 * np.clip(normals @ LIGHT, 0.0, 1.0)
-    faces = np.where(alarm[:, None], ALARM_COLOR, MESH_COLOR) * shade[:, None]
+    faces = colors * shade[:, None]
     edges = 0.55 * faces if line_width else faces
     widths = np.full(len(corners), line_width or 0.1)
 
@@ -100,14 +105,14 @@ def _draw_triangles(axes, corners, alarm, gaps, line_width):
     )
 
 
-def save(figure, path):
+def save(figure, path, colors=96):
     """Save a picture as a small PNG."""
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=110)
     plt.close(figure)
     with Image.open(path) as image:
-        image.convert("RGB").quantize(96).save(path, optimize=True)
+        image.convert("RGB").quantize(colors).save(path, optimize=True)
 
 
 def _between(depth):
