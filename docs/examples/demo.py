@@ -41,7 +41,6 @@ def main():
     arguments.folder.mkdir(parents=True, exist_ok=True)
     output = arguments.folder / "mesh.ply"
     command = ["reconstruct", str(scan), "--dim", "2", "-o", str(output)]
-    command += ["--method", "paper"]
     print("$ remanifold", *command, flush=True)
     result = subprocess.run([sys.executable, "-m", "remanifold", *command], check=False)
     if result.returncode:
