@@ -10,6 +10,10 @@
 namespace remanifold {
 namespace {
 
+/// Cosine of the angle at a facet above which a candidate lies back on the fixed simplex
+/// there: less than 20 degrees. Without this, small patches are closed by a second sheet.
+constexpr double kFoldedBack = 0.94;
+
 /// Rows of small integers, each row ascending, from pairs (row, entry).
 Csr to_csr(Index rows, const std::vector<Index>& row_of) {
   Csr csr;
@@ -63,7 +67,7 @@ Cavities find_cavities(const SimplexArray& fixed,
   result.candidates = detail::sorted_unique(candidates);
   result.facets.arity = arity - 1;
 
-  // Candidates behind a facet that already has both its cofaces go.
+  // Candidates behind a facet that already has both its cofaces go, and those folded back.
   SimplexArray all = fixed;
   const auto join = [&] {
     all.vertices.resize(fixed.vertices.size());
@@ -75,13 +79,21 @@ Cavities find_cavities(const SimplexArray& fixed,
   {
     const FacetTable table = make_table(all, num_fixed, inside, execution);
     std::vector<std::uint8_t> blocked(result.candidates.size(), 0);
+    std::vector<Index> facet(arity - 1);
     for (Offset g = 0; g < table.groups.size(); ++g) {
-      if (table.fixed_cofaces[g] < 2 && table.counted[g] != 0) {
+      const bool closed = table.fixed_cofaces[g] >= 2 || table.counted[g] == 0;
+      if (!closed && (table.fixed_cofaces[g] == 0 || arity == 2)) {
         continue;
       }
+      const FacetNumber rim = table.groups.facets[table.groups.offsets[g]];
+      copy_facet(all, rim, facet.data());
       for (Offset i = table.groups.offsets[g]; i < table.groups.offsets[g + 1]; ++i) {
-        const Offset simplex = table.groups.facets[i] / arity;
-        if (simplex >= num_fixed) {
+        const FacetNumber f = table.groups.facets[i];
+        const Offset simplex = f / arity;
+        if (simplex >= num_fixed &&
+            (closed ||
+             ruler.fold(facet.data(), arity - 1, all[rim / arity][rim % arity],
+                        all[simplex][f % arity]) > kFoldedBack)) {
           blocked[simplex - num_fixed] = 1;
         }
       }
@@ -114,6 +126,10 @@ Cavities find_cavities(const SimplexArray& fixed,
                                   vertices.end());
     result.prices.push_back(price(vertices.data()));
     result.rims.push_back(rim);
+    if (ruler.fills_space(arity)) {
+      result.rim_orientations.push_back(static_cast<std::int8_t>(
+          rim == kOpen ? 0 : ruler.orientation(all[rim / arity], arity)));
+    }
     for (const FacetNumber* f = first; f != last; ++f) {
       if (*f / arity >= num_fixed) {
         result.facets_of[*f - num_fixed * arity] = number;
@@ -124,6 +140,10 @@ Cavities find_cavities(const SimplexArray& fixed,
   result.energies.resize(num_candidates);
   for (Index c = 0; c < num_candidates; ++c) {
     result.energies[c] = ruler.energy(result.candidates[c], arity);
+    if (ruler.fills_space(arity)) {
+      result.orientations.push_back(
+          static_cast<std::int8_t>(ruler.orientation(result.candidates[c], arity)));
+    }
   }
 
   const auto num_facets = static_cast<Index>(result.prices.size());

@@ -356,9 +356,6 @@ class ManifoldBuilder {
 
   void finish() {
     ManifoldReport& report = result_.report;
-    report.filled.arity = arity_;
-    report.filled.vertices.assign(fixed_.vertices.begin() + num_agreed_ * arity_,
-                                  fixed_.vertices.end());
     result_.simplices = detail::sorted_unique(fixed_);
     if (dim_ == 1) {
       repair_curves(
@@ -377,6 +374,7 @@ class ManifoldBuilder {
     for (const Index v : report.inserted) {
       unsettled_[v] = 1;
     }
+    list_filled();
     // Around what was inserted, links have changed as well.
     std::vector<std::uint8_t> marked = unsettled_;
     for (Offset s = 0; s < result_.simplices.size(); ++s) {
@@ -399,6 +397,29 @@ class ManifoldBuilder {
         detail::append_row(
             groups.cofaces(g) == 1 ? report.open_facets : report.branching_facets,
             facet.data());
+      }
+    }
+  }
+
+  /// What is not among the agreed simplices; those with a settled vertex are.
+  void list_filled() {
+    const auto is_unsettled = [&](const Index* simplex) {
+      return std::all_of(simplex, simplex + arity_,
+                         [&](Index v) { return unsettled_[v] != 0; });
+    };
+    SimplexArray agreed{arity_, {}};
+    for (Offset s = 0; s < num_agreed_; ++s) {
+      if (is_unsettled(fixed_[s])) {
+        detail::append_row(agreed, fixed_[s]);
+      }
+    }
+    agreed = detail::sorted_unique(agreed);
+    SimplexArray& filled = result_.report.filled;
+    filled.arity = arity_;
+    for (Offset s = 0; s < result_.simplices.size(); ++s) {
+      const Index* simplex = result_.simplices[s];
+      if (is_unsettled(simplex) && detail::find_row(agreed, simplex) < 0) {
+        detail::append_row(filled, simplex);
       }
     }
   }

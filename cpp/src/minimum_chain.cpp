@@ -82,7 +82,9 @@ class OrientedProgram {
     for (int sign = 0; sign < 2; ++sign) {
       for (const Index c : candidates_) {
         p.costs.push_back(cavities_.energies[c]);
-        p.upper.push_back(1);
+        const bool wrong = !cavities_.orientations.empty() &&
+                           (cavities_.orientations[c] > 0) != (sign == 0);
+        p.upper.push_back(wrong ? 0 : 1);
       }
     }
     for (int sign = 0; sign < 2; ++sign) {
@@ -327,6 +329,14 @@ class ChainSolver {
         if (cavities_.rims[*f] != kOpen) {
           rims.push_back(cavities_.rims[*f]);
         }
+      }
+      if (!cavities_.orientations.empty()) {
+        together.push_back(cavity);
+        for (const Index* f = cavities_.facets_in.begin(cavity);
+             f != cavities_.facets_in.end(cavity); ++f) {
+          signs_together.push_back(cavities_.rim_orientations[*f]);
+        }
+        continue;
       }
       const auto signs = orientation.orient(rims);
       if (signs.num_groups <= 1) {

@@ -276,6 +276,13 @@ PaperReport paper_report(const SimplexArray& simplices, const Csr& edge_sets,
     }
   }
   OpenFaces open = find_open_faces(faces, at_boundary);
+  report.hole_faces.arity = dim;
+  for (Offset f = 0; f < open.faces.size(); ++f) {
+    if (open.hole[open.set[f]] != 0) {
+      report.hole_faces.vertices.insert(report.hole_faces.vertices.end(), open.faces[f],
+                                        open.faces[f] + dim);
+    }
+  }
   report.open_faces = std::move(open.faces);
   report.num_holes =
       static_cast<Index>(std::count(open.hole.begin(), open.hole.end(), 1));

@@ -4,6 +4,7 @@
 #include "detail/parallel.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
@@ -112,6 +113,17 @@ SimplexMeasures SimplexRuler::measure(const Index* vertices, int arity) const {
       gram.diagonal() / 2;
   result.circumradius = std::sqrt(std::max(0.0, half.dot(factors.solve(half))));
   return result;
+}
+
+int SimplexRuler::orientation(const Index* vertices, int arity) const {
+  const int dim = arity - 1;
+  Small edges(dim, dim);
+  for (int i = 0; i < dim; ++i) {
+    for (int j = 0; j < dim; ++j) {
+      edges(i, j) = samples_.point(vertices[i + 1])[j] - samples_.point(vertices[0])[j];
+    }
+  }
+  return Eigen::PartialPivLU<Small>(edges).determinant() < 0 ? -1 : 1;
 }
 
 double SimplexRuler::scale(const Index* vertices, int arity) const {

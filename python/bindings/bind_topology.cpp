@@ -68,6 +68,7 @@ py::dict report(const InputArray<Index>& simplices,
   out["callous_faces"] = to_numpy(std::move(result.callous_faces));
   out["unstarred_simplices"] = to_numpy(std::move(result.unstarred_simplices));
   out["open_faces"] = to_numpy(std::move(result.open_faces));
+  out["hole_faces"] = to_numpy(std::move(result.hole_faces));
   out["num_holes"] = result.num_holes;
   out["num_boundary_components"] = result.num_boundary_components;
   return out;

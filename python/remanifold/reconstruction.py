@@ -63,6 +63,8 @@ class Repair(ReadOnlyArrays):
         one in its edge set.
     num_holes : int
         The other connected sets of open faces.
+    hole_faces : ndarray, shape (G, K), int32
+        The faces of these.
     callous_faces : ndarray, shape (F, K), int32
         (K-1)-faces in more than two simplices.
     unstarred_simplices : ndarray, shape (U, K+1), int32
@@ -97,6 +99,7 @@ class Repair(ReadOnlyArrays):
     open_faces: NDArray[np.int32]
     num_boundary_components: int
     num_holes: int
+    hole_faces: NDArray[np.int32]
     callous_faces: NDArray[np.int32]
     unstarred_simplices: NDArray[np.int32]
     singular_vertices: NDArray[np.int32]
@@ -120,7 +123,7 @@ class Repair(ReadOnlyArrays):
     def remaining(self) -> list[tuple[str, tuple[int, ...]]]:
         """All that is left to mend: the reason and the vertices of each place."""
         return [
-            *(("open face", tuple(f)) for f in self.open_faces.tolist()),
+            *(("open face", tuple(f)) for f in self.hole_faces.tolist()),
             *(("callous face", tuple(f)) for f in self.callous_faces.tolist()),
             *(
                 ("unstarred simplex", tuple(s))
@@ -452,15 +455,15 @@ def _finish_report(
     """Sort the open faces into boundary and holes, and warn of what is no manifold."""
     sets = _core.face_sets(report["open_faces"])
     count = int(sets.max()) + 1 if len(sets) else 0
-    holes = 0
-    if rule != "auto":
-        marked = np.zeros(len(sets), dtype=bool)
-        if rule == "given":
-            marked = mask[report["open_faces"]].all(axis=1)
-        holes = len(np.unique(sets[~marked]))
+    marked = np.full(len(sets), rule == "auto")
+    if rule == "given":
+        marked = mask[report["open_faces"]].all(axis=1)
+    in_hole = np.isin(sets, sets[~marked])
+    holes = len(np.unique(sets[~marked]))
     report |= {
         "num_boundary_components": count - holes,
         "num_holes": holes,
+        "hole_faces": report["open_faces"][in_hole],
         "unstarred_simplices": np.empty((0, dim + 1), dtype=np.int32),
     }
     lacks = [

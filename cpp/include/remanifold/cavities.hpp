@@ -26,6 +26,11 @@ struct Cavities {
   std::vector<FacetNumber> rims;  ///< the fixed simplices' facet there, or kOpen
   Csr candidates_on;              ///< candidates on each facet
 
+  /// K = D: the sign of each candidate's volume, and of the fixed simplex at each facet.
+  /// Empty otherwise.
+  std::vector<std::int8_t> orientations;
+  std::vector<std::int8_t> rim_orientations;
+
   Csr candidates_in;  ///< of each cavity
   Csr facets_in;      ///< of each cavity
 
@@ -42,7 +47,8 @@ using FacetPrice = std::function<double(const Index* facet)>;
 /// \param inside      of each sample: whether facets all of whose vertices are inside are
 ///                    to be looked at; all fixed cofaces of these must be given
 /// \param candidates  any order, repetitions allowed; columns ascending. Those with a
-///                    facet that has two fixed cofaces are left out.
+///                    facet that has two fixed cofaces are left out, and (K >= 2) those
+///                    that lie folded back on a fixed simplex
 Cavities find_cavities(const SimplexArray& fixed,
                        const std::vector<std::uint8_t>& inside,
                        const SimplexArray& candidates, SimplexRuler& ruler,

@@ -88,6 +88,7 @@ struct PaperReport {
   SimplexArray callous_faces;        ///< (K-1)-faces with more than two cofaces
   SimplexArray unstarred_simplices;  ///< cliques that are in no star
   SimplexArray open_faces;           ///< (K-1)-faces with one coface
+  SimplexArray hole_faces;           ///< those of them that are no boundary
   Index num_holes = 0;
   Index num_boundary_components = 0;
 };

@@ -38,6 +38,12 @@ class SimplexRuler {
       : samples_(samples), scales_(scales) {}
 
   SimplexMeasures measure(const Index* vertices, int arity) const;
+  /// Whether the simplices fill their space, K = D, so that each has a sign of its own.
+  bool fills_space(int arity) const {
+    return samples_.has_points() && samples_.ambient_dim() == arity - 1;
+  }
+  /// Sign of the volume, where the simplices fill their space.
+  int orientation(const Index* vertices, int arity) const;
   /// Mean of h over the vertices.
   double scale(const Index* vertices, int arity) const;
   /// Volume times sum of squared edges over h^(K+2): up to a constant the L1 distance

@@ -13,6 +13,11 @@ CavitySearch::CavitySearch(const Cavities& cavities)
       conceded_(cavities.rims.size(), 0) {
   for (std::size_t f = 0; f < cofaces_.size(); ++f) {
     cofaces_[f] = cavities.rims[f] == kOpen ? 0 : 1;
+    if (!cavities.rim_orientations.empty()) {
+      const bool even = cavities.rims[f] % arity_ % 2 == 0;
+      sides_.push_back(static_cast<std::int8_t>(even ? cavities.rim_orientations[f]
+                                                     : -cavities.rim_orientations[f]));
+    }
   }
 }
 
@@ -30,14 +35,25 @@ bool CavitySearch::run(Index cavity, Index max_steps) {
 bool CavitySearch::fits(Index candidate) const {
   const Index* facets =
       cavities_.facets_of.data() + static_cast<std::size_t>(candidate) * arity_;
-  return std::all_of(facets, facets + arity_,
-                     [&](Index f) { return cofaces_[f] < 2 && conceded_[f] == 0; });
+  for (int i = 0; i < arity_; ++i) {
+    const Index f = facets[i];
+    if (cofaces_[f] >= 2 || conceded_[f] != 0 ||
+        (cofaces_[f] == 1 && !sides_.empty() && side(candidate, i) == sides_[f])) {
+      return false;
+    }
+  }
+  return true;
 }
 
 void CavitySearch::put(Index candidate, int change) {
   const Index* facets =
       cavities_.facets_of.data() + static_cast<std::size_t>(candidate) * arity_;
   for (int i = 0; i < arity_; ++i) {
+    // What is taken away again leaves the other coface, on the other side.
+    if (!sides_.empty() && (change < 0 || cofaces_[facets[i]] == 0)) {
+      const int own = side(candidate, i);
+      sides_[facets[i]] = static_cast<std::int8_t>(change > 0 ? own : -own);
+    }
     cofaces_[facets[i]] = static_cast<std::uint8_t>(cofaces_[facets[i]] + change);
   }
 }

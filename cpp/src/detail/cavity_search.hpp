@@ -22,10 +22,15 @@ class CavitySearch {
   void branch(double energy);
   bool fits(Index candidate) const;
   void put(Index candidate, int change);
+  /// K = D: the side of its i-th facet on which a candidate lies.
+  int side(Index candidate, int i) const {
+    return cavities_.orientations[candidate] * (i % 2 == 0 ? 1 : -1);
+  }
 
   const Cavities& cavities_;
   int arity_;
   std::vector<std::uint8_t> cofaces_;   // of each facet
+  std::vector<std::int8_t> sides_;      // K = D: the side of a single coface
   std::vector<std::uint8_t> conceded_;  // facets left open
   Index cavity_ = 0;
   Index steps_left_ = 0;
