@@ -49,9 +49,31 @@ class OrientedProgram {
     }
   }
 
-  void make_integral() {
+  /// Candidates that the linear program leaves out, and that share no facet with one it
+  /// takes in part, stay out.
+  void make_integral(const std::vector<double>& shares) {
+    const std::size_t columns = candidates_.size();
     program_.integral.assign(program_.costs.size(), 0);
-    std::fill_n(program_.integral.begin(), 2 * candidates_.size(), 1);
+    std::fill_n(program_.integral.begin(), 2 * columns, 1);
+    std::vector<std::uint8_t> touched(cavities_.rims.size(), 0);
+    const auto facets_of = [&](std::size_t c) {
+      return cavities_.facets_of.data() +
+             static_cast<std::size_t>(candidates_[c]) * arity_;
+    };
+    for (std::size_t c = 0; c < columns; ++c) {
+      if (std::abs(shares[c] - std::round(shares[c])) >= kIntegral) {
+        for (int i = 0; i < arity_; ++i) {
+          touched[facets_of(c)[i]] = 1;
+        }
+      }
+    }
+    for (std::size_t c = 0; c < columns; ++c) {
+      const Index* facets = facets_of(c);
+      if (shares[c] < kIntegral &&
+          std::none_of(facets, facets + arity_, [&](Index f) { return touched[f]; })) {
+        program_.upper[c] = program_.upper[columns + c] = 0;
+      }
+    }
   }
 
   const LinearProgram& program() const { return program_; }
@@ -67,6 +89,14 @@ class OrientedProgram {
   /// Share of a candidate in the solution.
   double share(const std::vector<double>& x, std::size_t candidate) const {
     return x[candidate] + x[candidates_.size() + candidate];
+  }
+  std::vector<double> shares(const std::vector<double>& x, std::size_t begin,
+                             std::size_t end) const {
+    std::vector<double> result;
+    for (std::size_t c = begin; c < end; ++c) {
+      result.push_back(share(x, c));
+    }
+    return result;
   }
   const std::vector<Index>& candidates() const { return candidates_; }
 
@@ -371,7 +401,8 @@ class ChainSolver {
         take(program, x, first, first + size);
       } else {
         const auto begin = signs_together.begin() + static_cast<Offset>(first_sign);
-        solve_integral(cavity, {begin, begin + num_facets});
+        solve_integral(cavity, {begin, begin + num_facets},
+                       program.shares(x, first, first + size));
       }
       first += size;
       first_sign += num_facets;
@@ -441,17 +472,19 @@ class ChainSolver {
     for (std::size_t c = 0; c < program.candidates().size(); ++c) {
       const double share = program.share(best_x, c);
       if (std::abs(share - std::round(share)) >= kIntegral) {
-        solve_integral(cavity, best_signs);
+        solve_integral(cavity, best_signs,
+                       program.shares(best_x, 0, program.candidates().size()));
         return;
       }
     }
     take(program, best_x, 0, program.candidates().size());
   }
 
-  void solve_integral(Index cavity, const std::vector<std::int8_t>& signs) {
+  void solve_integral(Index cavity, const std::vector<std::int8_t>& signs,
+                      const std::vector<double>& shares) {
     OrientedProgram program(cavities_, {cavity});
     program.set_signs(signs);
-    program.make_integral();
+    program.make_integral(shares);
     ++fill_.integer_programs;
     const std::vector<double> x = solver_(program.program());
     if (x.empty()) {
