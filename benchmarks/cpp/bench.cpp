@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Times each step of the paper's method on generated or given points, beside FLANN's own
-// search for 20 nearest neighbors on the same points.
+// Times each step of a method on generated or given points, beside FLANN's own search for
+// 20 nearest neighbors on the same points.
 #include "remanifold/remanifold.hpp"
 
 #include <flann/flann.hpp>
@@ -32,7 +32,9 @@ constexpr const char* kUsage = R"(usage: remanifold_bench [options]
   --dim K           dimension of the manifold; known for shapes
   --samples N[,N..] numbers of samples, timed one after the other (default 100000)
   --ambient D       embed the shape into R^D by a random orthonormal map
-  --estimator NAME  enclosure (default), pca, jet
+  --method NAME     paper (default), or manifold without a solver: cavities too large for
+                    the search stay open and are counted
+  --estimator NAME  enclosure (default of the paper), pca, jet (default of manifold)
   --threads T       threads (default 1)
   --repeat R        runs, of which the median is printed (default 3)
   --order NAME      random (default) or morton: order in which the points are given
@@ -207,10 +209,11 @@ struct Run {
   double total = 0;
   Offset simplices = 0;
   double neighbors_used = 0;
+  Index unsolved = 0;
 };
 
-Run run(const Cloud& cloud, const remanifold::ReconstructOptions& options, int threads,
-        bool with_flann) {
+Run run(const Cloud& cloud, const remanifold::ReconstructOptions& options,
+        bool manifold, int threads, bool with_flann) {
   Run result;
   if (with_flann) {
     result.flann = time_flann(cloud);
@@ -219,6 +222,16 @@ Run run(const Cloud& cloud, const remanifold::ReconstructOptions& options, int t
   const auto start = std::chrono::steady_clock::now();
   const auto samples = remanifold::Samples::from_points(cloud.view(), execution);
   const double prepare = seconds_since(start);
+  if (manifold) {
+    const auto reconstruction =
+        remanifold::reconstruct_manifold(samples, options, {}, {}, execution);
+    result.total = seconds_since(start);
+    result.seconds = reconstruction.seconds;
+    result.seconds.prepare = prepare;
+    result.simplices = reconstruction.simplices.size();
+    result.unsolved = reconstruction.report.unsolved;
+    return result;
+  }
   const auto reconstruction = remanifold::reconstruct(samples, options, execution);
   result.total = seconds_since(start);
   result.seconds = reconstruction.seconds;
@@ -257,7 +270,12 @@ int bench(const std::map<std::string, std::string>& arguments) {
   const std::string file = get("points", "");
   const int threads = std::stoi(get("threads", "1"));
   const int repeat = std::stoi(get("repeat", "3"));
-  const std::string estimator = get("estimator", "enclosure");
+  const std::string method = get("method", "paper");
+  if (method != "paper" && method != "manifold") {
+    throw std::invalid_argument("unknown method " + method);
+  }
+  const bool manifold = method == "manifold";
+  const std::string estimator = get("estimator", manifold ? "jet" : "enclosure");
   const auto shape = shapes().find(shape_name);
   if (file.empty() && shape == shapes().end()) {
     throw std::invalid_argument("unknown shape " + shape_name);
@@ -272,9 +290,10 @@ int bench(const std::map<std::string, std::string>& arguments) {
                               : estimator == "pca" ? remanifold::Estimator::kPca
                                                    : remanifold::Estimator::kEnclosure;
 
-  std::printf("%10s %5s %3s | %8s %8s %8s %8s %8s | %8s %8s %6s | %10s %6s\n",
+  std::printf("%10s %5s %3s | %8s %8s %8s %8s %8s | %8s %8s %6s | %10s %8s\n",
               "samples", "D", "K", "prepare", "neighb.", "tangent", "regions",
-              "complex", "total", "FLANN 20", "ratio", "simplices", "looked");
+              "complex", "total", "FLANN 20", "ratio", "simplices",
+              manifold ? "unsolved" : "looked");
   const std::vector<Offset> sizes =
       file.empty() ? parse_list(get("samples", "100000")) : std::vector<Offset>{0};
   for (const Offset size : sizes) {
@@ -289,7 +308,7 @@ int bench(const std::map<std::string, std::string>& arguments) {
     const bool with_flann = cloud.ambient_dim <= 32;
     std::vector<Run> runs;
     for (int i = 0; i < repeat; ++i) {
-      runs.push_back(run(cloud, options, threads, with_flann));
+      runs.push_back(run(cloud, options, manifold, threads, with_flann));
     }
     const auto of = [&](auto member) {
       return median(runs, [&](const Run& r) { return r.seconds.*member; });
@@ -307,8 +326,12 @@ int bench(const std::map<std::string, std::string>& arguments) {
     } else {
       std::printf(" %8s %6s", "-", "-");
     }
-    std::printf(" | %10lld %6.1f\n", static_cast<long long>(runs.front().simplices),
-                runs.front().neighbors_used);
+    std::printf(" | %10lld", static_cast<long long>(runs.front().simplices));
+    if (manifold) {
+      std::printf(" %8d\n", runs.front().unsolved);
+    } else {
+      std::printf(" %8.1f\n", runs.front().neighbors_used);
+    }
     std::fflush(stdout);
   }
   return EXIT_SUCCESS;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "remanifold/topology.hpp"
 
+#include "detail/disjoint_sets.hpp"
 #include "detail/parallel.hpp"
 
 #include <algorithm>
@@ -158,31 +159,6 @@ FaceTable make_face_table(const SimplexArray& simplices, int dim) {
   return table;
 }
 
-class DisjointSets {
- public:
-  explicit DisjointSets(Offset size) : parent_(size) {
-    std::iota(parent_.begin(), parent_.end(), Offset{0});
-  }
-  Offset find(Offset i) {
-    while (parent_[i] != i) {
-      parent_[i] = parent_[parent_[i]];
-      i = parent_[i];
-    }
-    return i;
-  }
-  /// The lower root stays.
-  void join(Offset a, Offset b) {
-    a = find(a);
-    b = find(b);
-    if (a != b) {
-      parent_[std::max(a, b)] = std::min(a, b);
-    }
-  }
-
- private:
-  std::vector<Offset> parent_;
-};
-
 Offset euler_characteristic(const std::vector<Offset>& face_counts) {
   Offset result = 0;
   for (std::size_t d = 0; d < face_counts.size(); ++d) {
@@ -207,7 +183,7 @@ SimplexArray link_of(const SimplexArray& simplices, const FaceTable& vertices,
 
 bool is_connected(const SimplexArray& simplices) {
   const FaceTable vertices = make_face_table(simplices, 0);
-  DisjointSets sets(simplices.size());
+  detail::DisjointSets sets(simplices.size());
   for (Offset v = 0; v < vertices.size(); ++v) {
     const Offset first = vertices.instances[vertices.offsets[v]] / simplices.arity;
     for (Offset i = vertices.offsets[v]; i < vertices.offsets[v + 1]; ++i) {
@@ -232,7 +208,7 @@ bool is_path_or_cycle(const SimplexArray& graph) {
     }
   }
   ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
-  DisjointSets sets(static_cast<Offset>(ends.size()));
+  detail::DisjointSets sets(static_cast<Offset>(ends.size()));
   const auto number = [&](Index v) {
     return std::lower_bound(ends.begin(), ends.end(), v) - ends.begin();
   };
@@ -391,7 +367,7 @@ Faces faces_of(const SimplexArray& simplices, int dim, const Execution& executio
 }
 
 Components connected_components(const SimplexArray& simplices, Index num_vertices) {
-  DisjointSets sets(num_vertices);
+  detail::DisjointSets sets(num_vertices);
   Components result;
   result.labels.assign(num_vertices, -1);
   for (Offset s = 0; s < simplices.size(); ++s) {
@@ -537,7 +513,7 @@ OpenFaces find_open_faces(const Faces& faces,
     }
   }
   const Offset count = result.faces.size();
-  DisjointSets sets(count);
+  detail::DisjointSets sets(count);
   if (result.faces.arity > 1) {
     const FaceTable ridges = make_face_table(result.faces, result.faces.arity - 2);
     for (Offset r = 0; r < ridges.size(); ++r) {
