@@ -244,7 +244,7 @@ class LinkRepair {
   }
 
   /// Adds to the move what fills the cavities between some vertices, without the face.
-  /// \returns false where facets without a price stay open or nothing is gained
+  /// \returns false where a facet between them stays open
   bool fill(const std::vector<Index>& vertices, const std::vector<Index>& face,
             const FacetPrice& price, Move& move) {
     if (vertices.size() > kMostVertices || static_cast<int>(vertices.size()) < arity_) {
@@ -268,13 +268,13 @@ class LinkRepair {
     for (const Index w : vertices) {
       inside_[w] = 0;
     }
-    if (cavities.count() == 0 || (!cavities.dead_ends.empty() && !move.out.empty())) {
+    if (cavities.count() == 0 || !cavities.dead_ends.empty()) {
       return false;
     }
     detail::CavitySearch search(cavities);
     for (Index c = 0; c < cavities.count(); ++c) {
       search.run(c, kSearchSteps);
-      if (search.leaves_open() && !move.out.empty()) {
+      if (search.leaves_open()) {
         return false;
       }
       for (const Index chosen : search.chosen()) {
