@@ -271,7 +271,7 @@ class LinkRepair {
     if (cavities.count() == 0 || !cavities.dead_ends.empty()) {
       return false;
     }
-    detail::CavitySearch search(cavities);
+    detail::CavitySearch search(cavities, execution_);
     for (Index c = 0; c < cavities.count(); ++c) {
       search.run(c, kSearchSteps);
       if (search.leaves_open()) {

@@ -57,6 +57,11 @@ class ManifoldBuilder {
         arity_(regions.dim + 1),
         scales_(local_scales(samples, neighborhoods, regions.dim, execution)),
         ruler_(samples, scales_) {
+    const std::vector<std::uint8_t>& marked = options_.boundary_samples;
+    if (options_.boundary == BoundaryRule::kGiven &&
+        std::find(marked.begin(), marked.end(), 1) == marked.end()) {
+      options_.boundary = BoundaryRule::kNone;
+    }
     if (options_.hole_radius == 0) {
       const double even = evenness(samples, neighborhoods, scales_, dim_);
       options_.hole_radius = (kHoleAtRandom + even * (kHoleEven - kHoleAtRandom)) *

@@ -251,7 +251,7 @@ class ChainSolver {
     std::vector<std::vector<Index>> chosen(count);
     std::vector<std::uint8_t> finished(count, 0);
     detail::PerThread<detail::CavitySearch> searches(
-        [&] { return detail::CavitySearch(cavities_); });
+        [&] { return detail::CavitySearch(cavities_, execution_); });
     detail::for_each_block_uncounted(
         count, kBlock, execution_, [&](Offset begin, Offset end) {
           detail::CavitySearch& search = searches.local();

@@ -390,6 +390,12 @@ def reconstruct(
     if not manifold and rule != "auto":
         msg = 'boundary is for method="manifold" only'
         raise ValueError(msg)
+    if rule == "none" and samples.kind == "points" and samples.matrix.shape[1] == k:
+        msg = (
+            f"boundary is False, but a manifold of dimension {k} in {k} coordinates has a "
+            'boundary; use "auto" or a mask'
+        )
+        raise ValueError(msg)
     edges = "mutual" if edges is None else edges
     check_choice(edges, "edges", EDGE_RULES)
     result: dict[str, Any]
@@ -419,6 +425,13 @@ def reconstruct(
     paper: dict[str, Any] = {}
     if manifold:
         report = _finish_report(result["repair"], k, rule, mask)
+        if len(result["simplices"]) == 0:
+            warnings.warn(
+                f"no {k}-dimensional simplices: the samples span too little, or are too "
+                "far apart",
+                ManifoldWarning,
+                stacklevel=2,
+            )
     else:
         paper = {
             "tangent_simplices": result["tangent_simplices"],

@@ -315,11 +315,6 @@ def test_full_dimensional_simplices_have_positive_volume_in_sum(dim):
         assert volumes(moved, rec.simplices).sum() > 0
 
 
-@pytest.mark.xfail(
-    reason="at the rim simplices fold over others: the chain may use either orientation "
-    "where K = D",
-    strict=True,
-)
 @pytest.mark.parametrize("dim", [2, 3])
 def test_full_dimensional_simplices_do_not_overlap(dim):
     points = datasets.ball(800, dim=dim, random_state=0)
@@ -727,9 +722,6 @@ def test_square_grids(sizes, ambient):
     assert not rec.boundary[inner].any()
 
 
-@pytest.mark.xfail(
-    reason="a plate of few samples is closed by a second sheet", strict=True
-)
 @pytest.mark.parametrize("ambient", [2, 3])
 @pytest.mark.parametrize("side", [3, 4, 5])
 def test_small_square_grids_keep_their_rim(side, ambient):
@@ -738,9 +730,6 @@ def test_small_square_grids_keep_their_rim(side, ambient):
     assert rec.topology().betti_numbers == (1, 0, 0)
 
 
-@pytest.mark.xfail(
-    reason="at the rim of a square grid triangles fold over others", strict=True
-)
 @pytest.mark.parametrize("sizes", [(5, 5), (8, 13), (20, 20)])
 def test_square_grids_have_two_triangles_a_square(sizes):
     rec = rm.reconstruct(grid(*sizes), 2)

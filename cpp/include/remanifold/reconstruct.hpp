@@ -74,7 +74,7 @@ struct ManifoldReconstruction {
   StepSeconds seconds;
 };
 
-/// The minimum-energy chain through what the stars agree on.
+/// The minimum-energy chain through what the stars agree on. Best with Estimator::kJet.
 /// \param manifold  boundary samples in the caller's numbering
 /// \throws std::invalid_argument, Cancelled, and whatever the solver throws
 ManifoldReconstruction reconstruct_manifold(const Samples& samples,

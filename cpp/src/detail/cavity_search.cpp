@@ -6,8 +6,9 @@
 
 namespace remanifold::detail {
 
-CavitySearch::CavitySearch(const Cavities& cavities)
+CavitySearch::CavitySearch(const Cavities& cavities, const Execution& execution)
     : cavities_(cavities),
+      execution_(execution),
       arity_(cavities.candidates.arity),
       cofaces_(cavities.rims.size()),
       conceded_(cavities.rims.size(), 0) {
@@ -63,6 +64,7 @@ void CavitySearch::branch(double energy) {
     return;
   }
   --steps_left_;
+  execution_.poll();
   // What is open costs at least its price or its share of a candidate.
   double bound = energy;
   Index facet = -1;

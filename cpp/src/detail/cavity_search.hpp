@@ -11,7 +11,7 @@ namespace remanifold::detail {
 
 class CavitySearch {
  public:
-  explicit CavitySearch(const Cavities& cavities);
+  CavitySearch(const Cavities& cavities, const Execution& execution);
 
   /// \returns false where max_steps did not suffice; chosen() is the best so far
   bool run(Index cavity, Index max_steps);
@@ -28,6 +28,7 @@ class CavitySearch {
   }
 
   const Cavities& cavities_;
+  const Execution& execution_;
   int arity_;
   std::vector<std::uint8_t> cofaces_;   // of each facet
   std::vector<std::int8_t> sides_;      // K = D: the side of a single coface
