@@ -61,7 +61,8 @@ FacetTable make_table(const SimplexArray& all, Offset num_fixed,
 Cavities find_cavities(const SimplexArray& fixed,
                        const std::vector<std::uint8_t>& inside,
                        const SimplexArray& candidates, SimplexRuler& ruler,
-                       const FacetPrice& price, const Execution& execution) {
+                       const FacetPrice& price, bool fold_back,
+                       const Execution& execution) {
   const int arity = fixed.arity;
   Cavities result;
   result.candidates = detail::sorted_unique(candidates);
@@ -82,7 +83,7 @@ Cavities find_cavities(const SimplexArray& fixed,
     std::vector<Index> facet(arity - 1);
     for (Offset g = 0; g < table.groups.size(); ++g) {
       const bool closed = table.fixed_cofaces[g] >= 2 || table.counted[g] == 0;
-      if (!closed && (table.fixed_cofaces[g] == 0 || arity == 2)) {
+      if (!closed && (table.fixed_cofaces[g] == 0 || arity == 2 || fold_back)) {
         continue;
       }
       const FacetNumber rim = table.groups.facets[table.groups.offsets[g]];

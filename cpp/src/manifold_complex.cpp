@@ -264,7 +264,8 @@ class ManifoldBuilder {
       }
     }
     Cavities cavities =
-        find_cavities(near, unsettled_, pool_, ruler_, price, execution_);
+        find_cavities(near, unsettled_, pool_, ruler_, price,
+                      options_.boundary == BoundaryRule::kNone, execution_);
     for (FacetNumber& rim : cavities.rims) {
       if (rim != kOpen) {
         rim = numbers[rim / arity_] * arity_ + rim % arity_;

@@ -390,12 +390,6 @@ def reconstruct(
     if not manifold and rule != "auto":
         msg = 'boundary is for method="manifold" only'
         raise ValueError(msg)
-    if rule == "none" and samples.kind == "points" and samples.matrix.shape[1] == k:
-        msg = (
-            f"boundary is False, but a manifold of dimension {k} in {k} coordinates has a "
-            'boundary; use "auto" or a mask'
-        )
-        raise ValueError(msg)
     edges = "mutual" if edges is None else edges
     check_choice(edges, "edges", EDGE_RULES)
     result: dict[str, Any]

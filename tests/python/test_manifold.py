@@ -207,10 +207,13 @@ def assert_report_is_true(rec):
     marked[repair.open_faces.ravel()] = True
     np.testing.assert_array_equal(rec.boundary, marked)
     assert np.isfinite(repair.hole_radius)
+    assert (len(repair.hole_faces) > 0) == (repair.num_holes > 0)
+    assert rows(repair.hole_faces) <= rows(repair.open_faces)
+    assert rows(repair.filled_simplices) <= rows(np.sort(simplices, axis=1))
     remaining = Counter(what for what, _ in repair.remaining())
     assert remaining == Counter(
         {
-            "open face": len(repair.open_faces),
+            "open face": len(repair.hole_faces),
             "callous face": len(repair.callous_faces),
             "singular vertex": len(repair.singular_vertices),
             "unused vertex": len(repair.unused_vertices),
@@ -223,7 +226,7 @@ def test_remaining_of_the_paper_method():
     points = SHAPES["torus"].generate(400, random_state=0)
     repair = rm.reconstruct(points, 2, method="paper").repair
     for what, places in (
-        ("open face", repair.open_faces),
+        ("open face", repair.hole_faces),
         ("callous face", repair.callous_faces),
         ("unstarred simplex", repair.unstarred_simplices),
         ("unused vertex", repair.unused_vertices[:, None]),
@@ -654,6 +657,7 @@ def test_few_samples(dim):
         assert rm.reconstruct(points[: dim + 1], dim).num_samples == dim + 1
 
 
+@pytest.mark.filterwarnings("ignore:no .-dimensional:remanifold.ManifoldWarning")
 @pytest.mark.parametrize("dim", [1, 2, 3])
 def test_samples_that_coincide(dim):
     rec = rm.reconstruct(np.full((9, 3), 0.1), dim)
@@ -671,6 +675,7 @@ def test_samples_that_coincide(dim):
     assert_report_is_true(copied)
 
 
+@pytest.mark.filterwarnings("ignore:no .-dimensional:remanifold.ManifoldWarning")
 @pytest.mark.parametrize("spacing", ["even", "random"])
 @pytest.mark.parametrize("ambient", [1, 2, 3, 7])
 def test_collinear_samples(spacing, ambient):

@@ -48,10 +48,11 @@ using FacetPrice = std::function<double(const Index* facet)>;
 ///                    to be looked at; all fixed cofaces of these must be given
 /// \param candidates  any order, repetitions allowed; columns ascending. Those with a
 ///                    facet that has two fixed cofaces are left out, and (K >= 2) those
-///                    that lie folded back on a fixed simplex
+///                    that lie folded back on a fixed simplex, unless fold_back
 Cavities find_cavities(const SimplexArray& fixed,
                        const std::vector<std::uint8_t>& inside,
                        const SimplexArray& candidates, SimplexRuler& ruler,
-                       const FacetPrice& price, const Execution& execution = {});
+                       const FacetPrice& price, bool fold_back = false,
+                       const Execution& execution = {});
 
 }  // namespace remanifold
