@@ -82,6 +82,7 @@ class ManifoldBuilder {
                           large_.vertices.end());
     // Each time with more candidates, for what is still open.
     fill(false);
+    // A wider choice offers fillings without orientation; programs see that.
     options_.chain.search_candidates = 0;
     for (int widening = 0; widening < 2 && !open_region_.empty(); ++widening) {
       widen(widening);

@@ -6,6 +6,15 @@
 namespace remanifold::python {
 namespace {
 
+py::dict timings(const StepSeconds& seconds) {
+  py::dict out;
+  out["neighborhoods"] = seconds.neighborhoods;
+  out["tangent_spaces"] = seconds.tangent_spaces;
+  out["local_regions"] = seconds.local_regions;
+  out["complex"] = seconds.complex;
+  return out;
+}
+
 py::dict reconstruct_paper(const std::string& kind, const InputArray<double>& matrix,
                            int dim, Index num_neighbors, const std::string& estimator,
                            const std::string& edges, const std::string& search,
@@ -44,12 +53,7 @@ py::dict reconstruct_paper(const std::string& kind, const InputArray<double>& ma
   out["recall"] = result.recall;
   out["neighbors_used"] = result.neighbors_used;
   out["vacuous_constraints"] = result.vacuous_constraints;
-  py::dict seconds;
-  seconds["neighborhoods"] = result.seconds.neighborhoods;
-  seconds["tangent_spaces"] = result.seconds.tangent_spaces;
-  seconds["local_regions"] = result.seconds.local_regions;
-  seconds["complex"] = result.seconds.complex;
-  out["timings"] = seconds;
+  out["timings"] = timings(result.seconds);
   return out;
 }
 
@@ -133,12 +137,7 @@ py::dict reconstruct_with_chain(const std::string& kind,
   repair["num_integer_programs"] = report.integer_programs;
   repair["num_unsolved"] = report.unsolved;
   out["repair"] = repair;
-  py::dict seconds;
-  seconds["neighborhoods"] = result.seconds.neighborhoods;
-  seconds["tangent_spaces"] = result.seconds.tangent_spaces;
-  seconds["local_regions"] = result.seconds.local_regions;
-  seconds["complex"] = result.seconds.complex;
-  out["timings"] = seconds;
+  out["timings"] = timings(result.seconds);
   return out;
 }
 
