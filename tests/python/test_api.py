@@ -136,6 +136,7 @@ def test_arrays_of_the_report_have_their_shapes(dim, method):
     report = rm.reconstruct(sample(dim), dim, method=method).repair
     arrays = {
         "open_faces": dim,
+        "hole_faces": dim,
         "callous_faces": dim,
         "unstarred_simplices": dim + 1,
         "disputed_simplices": dim + 1,
