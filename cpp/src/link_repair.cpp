@@ -4,6 +4,7 @@
 #include "detail/cavity_search.hpp"
 #include "detail/disjoint_sets.hpp"
 #include "detail/editable_complex.hpp"
+#include "detail/sort_unique.hpp"
 #include "remanifold/facets.hpp"
 #include "remanifold/topology.hpp"
 
@@ -183,8 +184,7 @@ class LinkRepair {
         }
       }
     }
-    std::sort(faces.begin(), faces.end());
-    faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+    detail::sort_unique(faces);
     return faces;
   }
 
@@ -233,8 +233,7 @@ class LinkRepair {
     for (const Offset s : move.out) {
       vertices.insert(vertices.end(), complex_[s], complex_[s] + arity_);
     }
-    std::sort(vertices.begin(), vertices.end());
-    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    detail::sort_unique(vertices);
     if (face.size() == 1) {
       vertices.erase(std::find(vertices.begin(), vertices.end(), face[0]));
     }
@@ -256,8 +255,7 @@ class LinkRepair {
       inside_[w] = 1;
       seen.insert(seen.end(), complex_.star(w).begin(), complex_.star(w).end());
     }
-    std::sort(seen.begin(), seen.end());
-    seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
+    detail::sort_unique(seen);
     for (const Offset s : seen) {
       if (std::find(move.out.begin(), move.out.end(), s) == move.out.end()) {
         detail::append_row(around, complex_[s]);
@@ -313,8 +311,7 @@ class LinkRepair {
     for (const Offset s : move.out) {
       vertices.insert(vertices.end(), complex_[s], complex_[s] + arity_);
     }
-    std::sort(vertices.begin(), vertices.end());
-    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    detail::sort_unique(vertices);
     return vertices;
   }
 
@@ -383,8 +380,7 @@ std::vector<Index> open_vertices(const SimplexArray& simplices,
       result.insert(result.end(), facet.begin(), facet.end());
     }
   }
-  std::sort(result.begin(), result.end());
-  result.erase(std::unique(result.begin(), result.end()), result.end());
+  detail::sort_unique(result);
   return result;
 }
 
@@ -417,8 +413,7 @@ std::vector<Index> repair_links(const Samples& samples,
         left.push_back(v);
       }
     }
-    std::sort(left.begin(), left.end());
-    left.erase(std::unique(left.begin(), left.end()), left.end());
+    detail::sort_unique(left);
     singular.swap(left);
   }
   repair.close_holes(open, price);

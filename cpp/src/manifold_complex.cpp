@@ -5,6 +5,7 @@
 #include "detail/parallel.hpp"
 #include "detail/signed_sets.hpp"
 #include "detail/simplex_rows.hpp"
+#include "detail/sort_unique.hpp"
 #include "remanifold/cavities.hpp"
 #include "remanifold/curve_repair.hpp"
 #include "remanifold/facets.hpp"
@@ -303,9 +304,7 @@ class ManifoldBuilder {
       copy_facet(near, f, facet.data());
       open_region_.insert(open_region_.end(), facet.begin(), facet.end());
     }
-    std::sort(open_region_.begin(), open_region_.end());
-    open_region_.erase(std::unique(open_region_.begin(), open_region_.end()),
-                       open_region_.end());
+    detail::sort_unique(open_region_);
     for (const Index c : chain.chosen) {
       if (last || chain.open[cavity_of[c]] == 0) {
         detail::append_row(fixed_, cavities.candidates[c]);

@@ -5,11 +5,12 @@
 #include "detail/parallel.hpp"
 #include "detail/rim_orientation.hpp"
 #include "detail/signed_sets.hpp"
+#include "detail/sort_unique.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
+#include <optional>
 #include <utility>
 
 namespace remanifold {
@@ -24,11 +25,9 @@ constexpr Index kAllSigns = 4;
 /// candidate one column a sign, for each facet two for what is left open, a sign each.
 class OrientedProgram {
  public:
-  OrientedProgram(const Cavities& cavities, std::vector<Index> which)
-      : cavities_(cavities),
-        which_(std::move(which)),
-        arity_(cavities.candidates.arity) {
-    for (const Index cavity : which_) {
+  OrientedProgram(const Cavities& cavities, const std::vector<Index>& which)
+      : cavities_(cavities), arity_(cavities.candidates.arity) {
+    for (const Index cavity : which) {
       candidates_.insert(candidates_.end(), cavities.candidates_in.begin(cavity),
                          cavities.candidates_in.end(cavity));
       facets_.insert(facets_.end(), cavities.facets_in.begin(cavity),
@@ -36,8 +35,6 @@ class OrientedProgram {
     }
     build();
   }
-
-  const std::vector<Index>& facets() const { return facets_; }
 
   /// The sign of the fixed simplex at each facet; 0 where there is none.
   void set_signs(const std::vector<std::int8_t>& signs) {
@@ -56,19 +53,15 @@ class OrientedProgram {
     program_.integral.assign(program_.costs.size(), 0);
     std::fill_n(program_.integral.begin(), 2 * columns, 1);
     std::vector<std::uint8_t> touched(cavities_.rims.size(), 0);
-    const auto facets_of = [&](std::size_t c) {
-      return cavities_.facets_of.data() +
-             static_cast<std::size_t>(candidates_[c]) * arity_;
-    };
     for (std::size_t c = 0; c < columns; ++c) {
       if (std::abs(shares[c] - std::round(shares[c])) >= kIntegral) {
         for (int i = 0; i < arity_; ++i) {
-          touched[facets_of(c)[i]] = 1;
+          touched[cavities_.facets_without(candidates_[c])[i]] = 1;
         }
       }
     }
     for (std::size_t c = 0; c < columns; ++c) {
-      const Index* facets = facets_of(c);
+      const Index* facets = cavities_.facets_without(candidates_[c]);
       if (shares[c] < kIntegral &&
           std::none_of(facets, facets + arity_, [&](Index f) { return touched[f]; })) {
         program_.upper[c] = program_.upper[columns + c] = 0;
@@ -160,13 +153,11 @@ class OrientedProgram {
   }
 
   int position_of(Index facet, Index candidate) const {
-    const Index* facets =
-        cavities_.facets_of.data() + static_cast<std::size_t>(candidate) * arity_;
+    const Index* facets = cavities_.facets_without(candidate);
     return static_cast<int>(std::find(facets, facets + arity_, facet) - facets);
   }
 
   const Cavities& cavities_;
-  std::vector<Index> which_;
   int arity_;
   std::vector<Index> candidates_;
   std::vector<Index> facets_;
@@ -288,8 +279,7 @@ class ChainSolver {
         patches.push_back(patches_->patch[cavities_.rims[*f] / arity]);
       }
     }
-    std::sort(patches.begin(), patches.end());
-    patches.erase(std::unique(patches.begin(), patches.end()), patches.end());
+    detail::sort_unique(patches);
     const auto num_chosen = static_cast<Offset>(chosen.size());
     detail::SignedSets sets(num_chosen + static_cast<Offset>(patches.size()));
     for (const Index* f = cavities_.facets_in.begin(cavity);
@@ -310,8 +300,7 @@ class ChainSolver {
         sign = patches_->sign[rim / arity];
       }
       for (Offset other = 0; other < num_chosen; ++other) {
-        const Index* facets = cavities_.facets_of.data() +
-                              static_cast<std::size_t>(chosen[other]) * arity;
+        const Index* facets = cavities_.facets_without(chosen[other]);
         const auto position = std::find(facets, facets + arity, *f) - facets;
         if (position == arity) {
           continue;
@@ -348,19 +337,15 @@ class ChainSolver {
   }
 
   void solve_oriented() {
-    detail::RimOrientation orientation(fixed_, num_vertices_, execution_);
+    std::optional<detail::RimOrientation> orientation;
+    if (cavities_.orientations.empty()) {
+      orientation.emplace(fixed_, num_vertices_, execution_);
+    }
     std::vector<Index> together;
     std::vector<std::int8_t> signs_together;
     for (const Index cavity : large_) {
       execution_.poll();
-      std::vector<FacetNumber> rims;
-      for (const Index* f = cavities_.facets_in.begin(cavity);
-           f != cavities_.facets_in.end(cavity); ++f) {
-        if (cavities_.rims[*f] != kOpen) {
-          rims.push_back(cavities_.rims[*f]);
-        }
-      }
-      if (!cavities_.orientations.empty()) {
+      if (!orientation) {
         together.push_back(cavity);
         for (const Index* f = cavities_.facets_in.begin(cavity);
              f != cavities_.facets_in.end(cavity); ++f) {
@@ -368,7 +353,14 @@ class ChainSolver {
         }
         continue;
       }
-      const auto signs = orientation.orient(rims);
+      std::vector<FacetNumber> rims;
+      for (const Index* f = cavities_.facets_in.begin(cavity);
+           f != cavities_.facets_in.end(cavity); ++f) {
+        if (cavities_.rims[*f] != kOpen) {
+          rims.push_back(cavities_.rims[*f]);
+        }
+      }
+      const auto signs = orientation->orient(rims);
       if (signs.num_groups <= 1) {
         together.push_back(cavity);
         spread(cavity, signs.sign, signs_together);

@@ -2,6 +2,7 @@
 #include "remanifold/vertex_insertion.hpp"
 
 #include "detail/editable_complex.hpp"
+#include "detail/sort_unique.hpp"
 
 #include <Eigen/Core>
 #include <Eigen/QR>
@@ -77,8 +78,7 @@ class Inserter {
       near_.insert(near_.end(), star.begin(), star.end());
       used += star.empty() ? 0 : 1;
     }
-    std::sort(near_.begin(), near_.end());
-    near_.erase(std::unique(near_.begin(), near_.end()), near_.end());
+    detail::sort_unique(near_);
     double nearest = std::numeric_limits<double>::infinity();
     std::vector<double> distances;
     for (const Offset s : near_) {

@@ -37,6 +37,10 @@ struct Cavities {
   /// Facets with one fixed coface that no candidate continues.
   std::vector<FacetNumber> dead_ends;
 
+  /// The facets of a candidate, the i-th one without its i-th vertex.
+  const Index* facets_without(Index candidate) const {
+    return facets_of.data() + static_cast<std::size_t>(candidate) * candidates.arity;
+  }
   Index count() const { return static_cast<Index>(candidates_in.rows()); }
 };
 

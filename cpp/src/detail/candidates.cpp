@@ -4,6 +4,7 @@
 #include "detail/clique_expansion.hpp"
 #include "detail/parallel.hpp"
 #include "detail/simplex_rows.hpp"
+#include "detail/sort_unique.hpp"
 #include "remanifold/clique_complex.hpp"
 
 #include <CGAL/Delaunay_triangulation_2.h>
@@ -144,8 +145,7 @@ void append_neighbor_edges(const Neighborhoods& neighborhoods, Index count,
 SimplexArray cliques_of(const std::vector<Index>& pairs, int dim, std::size_t max_count,
                         const Execution& execution) {
   std::vector<Index> vertices = pairs;
-  std::sort(vertices.begin(), vertices.end());
-  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  sort_unique(vertices);
   const auto number = [&](Index v) {
     return static_cast<Index>(std::lower_bound(vertices.begin(), vertices.end(), v) -
                               vertices.begin());

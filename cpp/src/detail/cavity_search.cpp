@@ -34,8 +34,7 @@ bool CavitySearch::run(Index cavity, Index max_steps) {
 }
 
 bool CavitySearch::fits(Index candidate) const {
-  const Index* facets =
-      cavities_.facets_of.data() + static_cast<std::size_t>(candidate) * arity_;
+  const Index* facets = cavities_.facets_without(candidate);
   for (int i = 0; i < arity_; ++i) {
     const Index f = facets[i];
     if (cofaces_[f] >= 2 || conceded_[f] != 0 ||
@@ -47,8 +46,7 @@ bool CavitySearch::fits(Index candidate) const {
 }
 
 void CavitySearch::put(Index candidate, int change) {
-  const Index* facets =
-      cavities_.facets_of.data() + static_cast<std::size_t>(candidate) * arity_;
+  const Index* facets = cavities_.facets_without(candidate);
   for (int i = 0; i < arity_; ++i) {
     // What is taken away again leaves the other coface, on the other side.
     if (!sides_.empty() && (change < 0 || cofaces_[facets[i]] == 0)) {

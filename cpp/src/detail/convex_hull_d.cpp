@@ -2,6 +2,7 @@
 // CGAL's dD triangulation, into which only points outside the hull so far are inserted.
 // K = 4 has a kernel of its own, larger K share the one of run-time dimension.
 #include "detail/convex_hull.hpp"
+#include "detail/sort_unique.hpp"
 
 #include <CGAL/Epick_d.h>
 #include <CGAL/Triangulation.h>
@@ -58,8 +59,7 @@ class Polytope final : public ConvexHull {
         }
       }
     }
-    std::sort(vertices_.begin(), vertices_.end());
-    vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
+    sort_unique(vertices_);
   }
 
  private:

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "detail/rim_orientation.hpp"
 
+#include "detail/sort_unique.hpp"
+
 #include <algorithm>
 #include <utility>
 
@@ -20,8 +22,7 @@ RimOrientation::Signs RimOrientation::orient(const std::vector<FacetNumber>& rim
   for (const FacetNumber f : rims) {
     patches.push_back(patches_.patch[f / arity_]);
   }
-  std::sort(patches.begin(), patches.end());
-  patches.erase(std::unique(patches.begin(), patches.end()), patches.end());
+  sort_unique(patches);
   for (const Index patch : patches) {
     std::vector<Offset> seeds;
     for (const FacetNumber f : rims) {
