@@ -2,6 +2,7 @@
 #include "remanifold/local_region.hpp"
 
 #include "detail/convex_hull.hpp"
+#include "detail/convex_hull_2.hpp"
 #include "detail/dispatch.hpp"
 #include "detail/parallel.hpp"
 #include "detail/tolerance.hpp"
@@ -73,9 +74,9 @@ class RegionKernel {
         execution_(execution),
         dim_(K == Eigen::Dynamic ? tangents.dim : K),
         query_(search.query(execution)),
-        hull_(detail::make_convex_hull(dim_)),
-        first_batch_(4 * dim_),
-        ahead_(std::min(neighborhoods.count, typical_count(dim_))),
+        hull_(K == 2 ? nullptr : detail::make_convex_hull(dim_)),
+        first_batch_(K == 2 ? 1 : 4 * dim_),
+        ahead_(is_cheap() ? 0 : std::min(neighborhoods.count, typical_count(dim_))),
         largest_weight_(*std::max_element(weights.begin(), weights.end())),
         max_corner_count_(static_cast<Offset>(
             kMaxCornerShare * std::sqrt(static_cast<double>(samples.size())))),
@@ -86,6 +87,9 @@ class RegionKernel {
   /// Reads the coordinates of the nearest neighbors of a few samples ahead of compute(),
   /// so that large D does not slow down what comes between.
   void read_ahead(Index begin, Index end) {
+    if (ahead_ == 0) {
+      return;
+    }
     const detail::Timed timed(coordinate_seconds_);
     ahead_begin_ = begin;
     ahead_coordinates_.resize(dim(), static_cast<Eigen::Index>(end - begin) * ahead_);
@@ -137,8 +141,16 @@ class RegionKernel {
   double squared_radius() const { return squared_radius_; }
 
   void append_edge_set(std::vector<Index>& out) const {
-    for (const Index id : hull_->vertices()) {
-      out.push_back(halfspaces_[id].sample);
+    if constexpr (K == 2) {
+      for (const auto& vertex : polygon_.vertices()) {
+        if (!ConvexHull::is_start(vertex.id)) {
+          out.push_back(halfspaces_[vertex.id].sample);
+        }
+      }
+    } else {
+      for (const Index id : hull_->vertices()) {
+        out.push_back(halfspaces_[id].sample);
+      }
     }
   }
 
@@ -146,7 +158,7 @@ class RegionKernel {
   Offset append_star(std::vector<Index>& out) const {
     for (const Offset facet : star_facets_) {
       for (int i = 0; i < dim(); ++i) {
-        out.push_back(halfspaces_[hull_->facets()[facet + i]].sample);
+        out.push_back(halfspaces_[facets()[facet + i]].sample);
       }
     }
     return static_cast<Offset>(star_facets_.size());
@@ -173,6 +185,20 @@ class RegionKernel {
 
   int dim() const { return K == Eigen::Dynamic ? dim_ : K; }
 
+  /// Whether coordinates cost so little that they are neither read ahead nor timed.
+  bool is_cheap() const {
+    return samples_.has_points() && samples_.ambient_dim() <= kPlainLoopDim;
+  }
+
+  /// The facets of the hull, K ids each, in the order of the corners.
+  const std::vector<Index>& facets() const {
+    if constexpr (K == 2) {
+      return facets_;
+    } else {
+      return hull_->facets();
+    }
+  }
+
   void start(Index x) {
     x_ = x;
     halfspaces_.clear();
@@ -188,7 +214,11 @@ class RegionKernel {
         ahead_coordinates_.middleCols(first, ahead_);
     std::copy_n(ahead_distances_.data() + first, ahead_, squared_distances_.data());
     measured_ = static_cast<std::size_t>(ahead_);
-    hull_->restart(dim(), 1 / end_);
+    if constexpr (K == 2) {
+      polygon_.restart(1 / end_, [&](Index a, Index b) { return corner_of(a, b); });
+    } else {
+      hull_->restart(dim(), 1 / end_);
+    }
   }
 
   void make_room() {
@@ -204,12 +234,19 @@ class RegionKernel {
     if (measured_ >= last) {
       return;
     }
-    const detail::Timed timed(coordinate_seconds_);
     make_room();
-    for (; measured_ < last; ++measured_) {
-      squared_distances_[measured_] =
-          measure(list_[measured_],
-                  tangent_coordinates_.col(static_cast<Eigen::Index>(measured_)));
+    const auto measure_all = [&] {
+      for (; measured_ < last; ++measured_) {
+        squared_distances_[measured_] =
+            measure(list_[measured_],
+                    tangent_coordinates_.col(static_cast<Eigen::Index>(measured_)));
+      }
+    };
+    if (is_cheap()) {
+      measure_all();
+    } else {
+      const detail::Timed timed(coordinate_seconds_);
+      measure_all();
     }
   }
 
@@ -229,7 +266,7 @@ class RegionKernel {
       if (done < end) {
         return true;
       }
-      batch += batch / 2;
+      batch += batch / 2;  // 1 stays 1
     }
     return done > 0 && squared_distances_[done - 1] > limit_;
   }
@@ -287,13 +324,23 @@ class RegionKernel {
       return;
     }
     const double offset = (squared_distance + weights_[x_] - weights_[q]) / 2;
-    if (is_redundant(normal, offset)) {
+    if (K != 2 && is_redundant(normal, offset)) {
       return;
     }
     execution_.poll();  // in high dimensions a hull takes seconds
     const Vector dual = normal / offset;
-    hull_->insert(dual.data(), static_cast<Index>(halfspaces_.size()));
+    const auto id = static_cast<Index>(halfspaces_.size());
     halfspaces_.push_back({normal, offset, q});
+    if constexpr (K == 2) {
+      if (!polygon_.insert({dual[0], dual[1]}, id,
+                           [&](Index a, Index b) { return corner_of(a, b); })) {
+        halfspaces_.pop_back();
+        return;
+      }
+      bound_by_polygon();
+    } else {
+      hull_->insert(dual.data(), id);
+    }
     ++fresh_;
   }
 
@@ -316,26 +363,86 @@ class RegionKernel {
       return;
     }
     fresh_ = 0;
-    hull_->update();
     corners_.clear();
     star_facets_.clear();
+    if constexpr (K == 2) {
+      facets_.clear();
+      const auto& vertices = polygon_.vertices();
+      for (std::size_t i = 0; i < vertices.size(); ++i) {
+        corners_.push_back(vertices[i].corner);
+        facets_.push_back(vertices[i].id);
+        facets_.push_back(vertices[i + 1 == vertices.size() ? 0 : i + 1].id);
+      }
+    } else {
+      hull_->update();
+      for (auto facet = facets().begin(); facet != facets().end(); facet += dim()) {
+        execution_.poll();
+        corners_.push_back(corner_of(&*facet));
+      }
+    }
     double radius = 0;
     bool bounded = true;
-    const auto num_ids = static_cast<Offset>(hull_->facets().size());
-    for (Offset first = 0; first < num_ids; first += dim()) {
-      execution_.poll();
-      const Index* facet = hull_->facets().data() + first;
-      corners_.push_back(corner_of(facet));
-      if (corners_.back().flat ||
+    for (std::size_t c = 0; c < corners_.size(); ++c) {
+      const auto first = static_cast<Offset>(c) * dim();
+      const Index* facet = facets().data() + first;
+      if (corners_[c].flat ||
           std::any_of(facet, facet + dim(), ConvexHull::is_start)) {
         bounded = false;
       } else {
-        radius = std::max(radius, corners_.back().length);
+        radius = std::max(radius, corners_[c].length);
         star_facets_.push_back(first);
       }
     }
-    squared_radius_ = bounded ? radius * radius : kInfinity;
+    set_radius(bounded ? radius : kInfinity);
+  }
+
+  void set_radius(double radius) {
+    squared_radius_ = radius * radius;
     limit_ = 4 * (1 + detail::kSecuritySlack) * squared_radius_;
+  }
+
+  void bound_by_polygon() {
+    double radius = 0;
+    for (const auto& vertex : polygon_.vertices()) {
+      if (ConvexHull::is_start(vertex.id) || vertex.corner.flat) {
+        return;
+      }
+      radius = std::max(radius, vertex.corner.length);
+    }
+    set_radius(radius);
+  }
+
+  /// The plane's: of the lines of two ids.
+  Corner corner_of(Index a, Index b) const {
+    const auto line = [&](Index id, Vector& normal) {
+      if (ConvexHull::is_start(id)) {
+        for (int axis = 0; axis < 2; ++axis) {
+          normal[axis] =
+              ConvexHull::start_coordinate(2, ConvexHull::start_vertex(id), axis);
+        }
+        return end_;
+      }
+      normal = halfspaces_[id].normal;
+      return halfspaces_[id].offset;
+    };
+    Vector p;
+    Vector q;
+    const double p_offset = line(a, p);
+    const double q_offset = line(b, q);
+    const double determinant = p[0] * q[1] - p[1] * q[0];
+    const double pp = p.squaredNorm();
+    const double qq = q.squaredNorm();
+    const double pq = (p - q).squaredNorm();
+    const double tree = std::min({pp * qq, pp * pq, qq * pq});
+    Corner corner;
+    corner.position = Vector(p_offset * q[1] - q_offset * p[1],
+                             p[0] * q_offset - q[0] * p_offset) /
+                      determinant;
+    corner.length = corner.position.norm();
+    corner.error = detail::kCornerError * std::sqrt(pp * qq) / std::abs(determinant);
+    corner.flat = determinant * determinant <
+                  detail::kFlatSimplex * detail::kFlatSimplex * tree;
+    return corner;
   }
 
   Corner corner_of(const Index* facet) const {
@@ -418,7 +525,7 @@ class RegionKernel {
       update();
       for (std::size_t c = 0; c < corners_.size(); ++c) {
         execution_.poll();
-        const Index* facet = hull_->facets().data() + c * dim();
+        const Index* facet = facets().data() + c * dim();
         if (is_certified(facet)) {
           continue;
         }
@@ -527,7 +634,9 @@ class RegionKernel {
   const Execution& execution_;
   int dim_;
   std::unique_ptr<NeighborSearch::Query> query_;
-  std::unique_ptr<ConvexHull> hull_;
+  std::unique_ptr<ConvexHull> hull_;      // K other than 2
+  detail::HullPolygon<Corner> polygon_;   // K = 2
+  std::vector<Index> facets_;             // of the polygon
   std::size_t first_batch_;
   Index ahead_;  // neighbors read ahead of each sample
 

@@ -5,6 +5,7 @@
 #include "detail/distance.hpp"
 #include "detail/neighbor_search.hpp"
 #include "detail/parallel.hpp"
+#include "detail/shared_candidates.hpp"
 
 #include <flann/flann.hpp>
 
@@ -127,6 +128,27 @@ class NearestSet final : public flann::ResultSet<double> {
   std::vector<Neighbor>* list_ = nullptr;
 };
 
+/// All samples of a ball.
+class Ball final : public flann::ResultSet<double> {
+ public:
+  explicit Ball(detail::SharedCandidates& candidates)
+      : candidates_(candidates), squared_radius_(candidates.squared_radius()) {}
+  bool full() const override { return true; }
+  double worstDist() const override { return squared_radius_; }
+  void addPoint(double /*squared_distance*/, std::size_t index) override {
+    candidates_.add(static_cast<Index>(index));
+  }
+
+ private:
+  detail::SharedCandidates& candidates_;
+  double squared_radius_;
+};
+
+/// Up to this many coordinates the kd-tree is always taken, and samples share searches.
+constexpr int kFewCoordinates = 8;
+/// Larger neighborhoods are not shared: sorting them would cost more than finding them.
+constexpr Index kMostShared = 64;
+
 template <class FlannIndex>
 class FlannSearch final : public NeighborSearch::Implementation {
  public:
@@ -152,12 +174,36 @@ class FlannSearch final : public NeighborSearch::Implementation {
   class FlannQuery final : public NeighborSearch::Query {
    public:
     explicit FlannQuery(const FlannSearch& search)
-        : search_(search), set_(search.samples_) {}
+        : search_(search), set_(search.samples_), shared_(search.samples_) {}
+
+    void prepare(Index /*begin*/, Index end) override {
+      end_ = end;
+      shared_.begin();
+    }
 
     void nearest(Index x, Index count, double squared_radius,
                  std::vector<Neighbor>& out) override {
-      count = std::min(count, search_.samples_.size() - 1);
-      find(x, search_.samples_.point(x), count, squared_radius, out);
+      const Samples& samples = search_.samples_;
+      count = std::min(count, samples.size() - 1);
+      const bool shared = search_.exact_ && x < end_ && count > 0 &&
+                          count <= kMostShared &&
+                          samples.ambient_dim() <= kFewCoordinates &&
+                          squared_radius == std::numeric_limits<double>::infinity();
+      if (shared) {
+        if (!shared_.contains(x) && shared_.gather(x, end_)) {
+          Ball ball(shared_);
+          search_.index_.findNeighbors(ball, shared_.center(),
+                                       search_.search_parameters_);
+        }
+        if (shared_.contains(x) && shared_.nearest(x, count, out)) {
+          shared_.observe(out.back().squared_distance);
+          return;
+        }
+      }
+      find(x, samples.point(x), count, squared_radius, out);
+      if (shared) {
+        shared_.observe(out.back().squared_distance);
+      }
     }
 
     bool nearest_to(const double* position, Index count, double squared_radius,
@@ -180,6 +226,8 @@ class FlannSearch final : public NeighborSearch::Implementation {
 
     const FlannSearch& search_;
     NearestSet set_;
+    detail::SharedCandidates shared_;
+    Index end_ = 0;  // of the samples announced
   };
 
   const Samples& samples_;
@@ -198,8 +246,6 @@ std::unique_ptr<NeighborSearch::Implementation> make_kd_tree(
       samples, flann::KDTreeSingleIndexParams(10), parameters, true, distance);
 }
 
-/// Up to this many coordinates the kd-tree is always taken.
-constexpr int kAlwaysTree = 8;
 /// A distance in the tree costs as much as this many in a matrix product (measured, with
 /// K from 1 to 4, D from 10 to 400 and N from 2,000 to 40,000).
 constexpr Offset kTreeCost = 2;
@@ -244,7 +290,7 @@ SearchMethod choose(const Samples& samples, SearchMethod method,
   if (method != SearchMethod::kAuto) {
     return method;
   }
-  return samples.ambient_dim() > kAlwaysTree && is_tree_slow(samples, execution)
+  return samples.ambient_dim() > kFewCoordinates && is_tree_slow(samples, execution)
              ? SearchMethod::kBruteForce
              : SearchMethod::kKdTree;
 }

@@ -3,12 +3,10 @@
 
 #include "detail/dispatch.hpp"
 #include "detail/enclosing_simplex.hpp"
+#include "detail/frame_fit.hpp"
 #include "detail/local_coordinates.hpp"
 #include "detail/parallel.hpp"
 #include "detail/tolerance.hpp"
-
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <limits>
@@ -24,85 +22,10 @@ using detail::RowMatrix;
 /// Samples whose coordinates are read together; fewer where each may take seconds.
 constexpr Offset group_size(int dim) { return dim < 4 ? 32 : dim == 4 ? 8 : 1; }
 
-/// The K leading principal directions of the neighborhood with x, as rows.
-class PrincipalDirections {
- public:
-  bool find(const RowMatrix& vectors, int dim, RowMatrix& basis) {
-    if (vectors.cols() < dim || vectors.rows() < dim) {
-      return false;
-    }
-    const auto count = static_cast<double>(vectors.rows() + 1);
-    mean_ = vectors.colwise().sum() / count;
-    covariance_.noalias() = vectors.transpose() * vectors;
-    covariance_.noalias() -= count * mean_.transpose() * mean_;
-    solver_.compute(covariance_);
-    const auto& values = solver_.eigenvalues();
-    const Eigen::Index last = vectors.cols() - 1;
-    if (!(values(last - dim + 1) > detail::kDependentSquaredSine * values(last))) {
-      return false;
-    }
-    basis.resize(dim, vectors.cols());
-    for (int i = 0; i < dim; ++i) {
-      basis.row(i) = solver_.eigenvectors().col(last - i).transpose();
-    }
-    return true;
-  }
-
- private:
-  Eigen::RowVectorXd mean_;
-  Eigen::MatrixXd covariance_;
-  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver_;
-};
-
-/// Tilts a basis by the linear part of a quadratic fit through x.
-class JetFit {
- public:
-  /// Leaves the basis alone where there are fewer neighbors than unknowns, or where the
-  /// fit is degenerate.
-  void refine(const RowMatrix& vectors, RowMatrix& basis) {
-    const Eigen::Index dim = basis.rows();
-    const Eigen::Index unknowns = dim + dim * (dim + 1) / 2;
-    if (vectors.rows() < unknowns) {
-      return;
-    }
-    coordinates_.noalias() = vectors * basis.transpose();
-    const double length = std::sqrt(coordinates_.rowwise().squaredNorm().maxCoeff());
-    coordinates_ /= length;
-    design_.resize(vectors.rows(), unknowns);
-    design_.leftCols(dim) = coordinates_;
-    Eigen::Index column = dim;
-    for (Eigen::Index i = 0; i < dim; ++i) {
-      for (Eigen::Index j = 0; j <= i; ++j) {
-        design_.col(column++) = coordinates_.col(i).cwiseProduct(coordinates_.col(j));
-      }
-    }
-    normal_.noalias() = design_.transpose() * design_;
-    solver_.compute(normal_);
-    const auto pivots = solver_.vectorD();
-    if (solver_.info() != Eigen::Success ||
-        !(pivots.minCoeff() > detail::kDependentSquaredSine * pivots.maxCoeff())) {
-      return;
-    }
-    right_.noalias() = design_.transpose() * vectors;
-    tilted_ = solver_.solve(right_).topRows(dim);
-    if (detail::orthonormalize(tilted_)) {
-      basis = tilted_;
-    }
-  }
-
- private:
-  Eigen::MatrixXd coordinates_;
-  Eigen::MatrixXd design_;
-  Eigen::MatrixXd normal_;
-  Eigen::MatrixXd right_;
-  RowMatrix tilted_;
-  Eigen::LDLT<Eigen::MatrixXd> solver_;
-};
-
 /// The tangent spaces of one thread. Samples go in groups: first all coordinates of a
 /// group are read, then its tangent spaces are found in local coordinates, then they are
 /// written out in R^D. Large D then neither slows down what lies between nor hides in it.
-template <int K>
+template <int K, int D>
 class TangentKernel {
  public:
   TangentKernel(const Samples& samples, const Neighborhoods& neighborhoods, Index count,
@@ -112,9 +35,16 @@ class TangentKernel {
         count_(count),
         options_(options),
         execution_(execution),
-        search_(options.dim) {}
+        search_(options.dim),
+        fit_(options.dim) {}
 
   void compute(Index begin, Index end, TangentSpaces& result) {
+    if (D != Eigen::Dynamic && options_.estimator != Estimator::kEnclosure) {
+      for (Index x = begin; x < end; ++x) {
+        fit_at(x, result);
+      }
+      return;
+    }
     group_.resize(std::max<std::size_t>(group_.size(), end - begin));
     {
       const detail::Timed timed(coordinate_seconds_);
@@ -168,15 +98,43 @@ class TangentKernel {
     return detail::orthonormalize(local.coefficients, local.coordinates.gram());
   }
 
-  bool find_fitted(Local& local) {
-    const RowMatrix& vectors = local.coordinates.vectors();
-    if (!principal_.find(vectors, options_.dim, local.basis)) {
+  /// In space, without detours.
+  void fit_at(Index x, TangentSpaces& result) {
+    const Index* neighbors = neighborhoods_.of(x);
+    const double* px = samples_.point(x);
+    fit_.resize(count_, D);
+    for (Index i = 0; i < count_; ++i) {
+      const double* pq = samples_.point(neighbors[i]);
+      for (int axis = 0; axis < D; ++axis) {
+        fit_.coordinate(i, axis) = pq[axis] - px[axis];
+      }
+    }
+    write_points(x, count_ > 0 && fit(), fit_.frame(), result);
+  }
+
+  bool fit() {
+    if (!fit_.find_principal()) {
       return false;
     }
     if (options_.estimator == Estimator::kJet) {
-      jet_.refine(vectors, local.basis);
-      jet_.refine(vectors, local.basis);
+      fit_.refine();
+      fit_.refine();
     }
+    return true;
+  }
+
+  bool find_fitted(Local& local) {
+    const RowMatrix& vectors = local.coordinates.vectors();
+    fit_.resize(count_, vectors.cols());
+    for (Index i = 0; i < count_; ++i) {
+      for (Eigen::Index axis = 0; axis < vectors.cols(); ++axis) {
+        fit_.coordinate(i, axis) = vectors(i, axis);
+      }
+    }
+    if (!fit()) {
+      return false;
+    }
+    local.basis = fit_.frame();
     if (local.coordinates.direct()) {
       return true;
     }
@@ -208,13 +166,7 @@ class TangentKernel {
         local.coordinates.to_ambient(local.coefficients, local.basis);
         local.found = detail::orthonormalize(local.basis);
       }
-      const auto size = static_cast<std::size_t>(options_.dim) * samples_.ambient_dim();
-      double* out = result.bases.data() + static_cast<std::size_t>(x) * size;
-      if (local.found) {
-        std::copy_n(local.basis.data(), size, out);
-      } else {
-        std::fill_n(out, size, std::numeric_limits<double>::quiet_NaN());
-      }
+      write_points(x, local.found, local.basis, result);
     } else if (local.found) {
       std::copy_n(local.coefficients.data(), local.coefficients.size(),
                   result.coefficients.data() +
@@ -226,6 +178,18 @@ class TangentKernel {
     }
   }
 
+  template <class Basis>
+  void write_points(Index x, bool found, const Basis& basis, TangentSpaces& result) {
+    const auto size = static_cast<std::size_t>(options_.dim) * samples_.ambient_dim();
+    double* out = result.bases.data() + static_cast<std::size_t>(x) * size;
+    if (found) {
+      std::copy_n(basis.data(), size, out);
+    } else {
+      std::fill_n(out, size, std::numeric_limits<double>::quiet_NaN());
+    }
+    result.boundary[x] = found ? 0 : 1;
+  }
+
   const Samples& samples_;
   const Neighborhoods& neighborhoods_;
   Index count_;
@@ -233,8 +197,7 @@ class TangentKernel {
   const Execution& execution_;
   std::vector<Local> group_;
   detail::EnclosingSimplex<K> search_;
-  PrincipalDirections principal_;
-  JetFit jet_;
+  detail::FrameFit<K, D> fit_;
   double coordinate_seconds_ = 0;
 };
 
@@ -281,8 +244,8 @@ TangentSpaces compute_tangent_spaces(const Samples& samples,
     result.coefficients.resize(n * dim * count);
   }
   detail::begin_step(execution, Step::kTangentSpaces, samples.size());
-  detail::dispatch_dim(options.dim, [&](auto k) {
-    using Kernel = TangentKernel<decltype(k)::value>;
+  const auto run = [&](auto k, auto d) {
+    using Kernel = TangentKernel<decltype(k)::value, decltype(d)::value>;
     detail::PerThread<Kernel> kernels(
         [&] { return Kernel(samples, neighborhoods, count, options, execution); });
     detail::for_each_block(samples.size(), group_size(options.dim), execution,
@@ -293,6 +256,15 @@ TangentSpaces compute_tangent_spaces(const Samples& samples,
     for (const Kernel& kernel : kernels) {
       result.coordinate_seconds += kernel.coordinate_seconds();
     }
+  };
+  detail::dispatch_dim(options.dim, [&](auto k) {
+    if constexpr (k == 1 || k == 2) {
+      if (samples.has_points() && samples.ambient_dim() == 3) {
+        run(k, std::integral_constant<int, 3>());
+        return;
+      }
+    }
+    run(k, std::integral_constant<int, Eigen::Dynamic>());
   });
   return result;
 }

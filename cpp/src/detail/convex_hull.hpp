@@ -63,8 +63,8 @@ class ConvexHull {
   std::vector<double> start_point_;
 };
 
+/// K = 2 has a hull of its own, in convex_hull_2.hpp.
 std::unique_ptr<ConvexHull> make_convex_hull(int dim);
-std::unique_ptr<ConvexHull> make_convex_hull_2();
 std::unique_ptr<ConvexHull> make_convex_hull_3();
 std::unique_ptr<ConvexHull> make_convex_hull_d(int dim);
 

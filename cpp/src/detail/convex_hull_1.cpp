@@ -42,8 +42,6 @@ std::unique_ptr<ConvexHull> make_convex_hull(int dim) {
   switch (dim) {
     case 1:
       return std::make_unique<Interval>();
-    case 2:
-      return make_convex_hull_2();
     case 3:
       return make_convex_hull_3();
     default:

@@ -6,28 +6,6 @@
 #include <cmath>
 
 namespace remanifold::detail {
-namespace {
-
-template <class Inner>
-bool gram_schmidt(RowMatrix& rows, const Inner& inner) {
-  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
-    const double before = inner(i, i);
-    for (int pass = 0; pass < 2; ++pass) {
-      for (Eigen::Index j = 0; j < i; ++j) {
-        rows.row(i) -= inner(i, j) * rows.row(j);
-      }
-    }
-    const double after = inner(i, i);
-    if (!(after > kDependentSquaredSine * before)) {
-      return false;
-    }
-    rows.row(i) /= std::sqrt(after);
-  }
-  return true;
-}
-
-}  // namespace
-
 void LocalCoordinates::load(const Samples& samples, Index x, const Index* neighbors,
                             Index count) {
   count_ = count;
@@ -134,12 +112,6 @@ RowMatrix LocalCoordinates::to_coefficients(const RowMatrix& rows) {
 
 void LocalCoordinates::to_ambient(const RowMatrix& coefficients, RowMatrix& out) const {
   out.noalias() = coefficients * (direct_ ? vectors_ : differences_);
-}
-
-bool orthonormalize(RowMatrix& rows) {
-  return gram_schmidt(rows, [&](Eigen::Index i, Eigen::Index j) {
-    return rows.row(i).dot(rows.row(j));
-  });
 }
 
 bool orthonormalize(RowMatrix& rows, const RowMatrix& gram) {

@@ -4,10 +4,12 @@
 // Cholesky decomposition of their m x m Gram matrix. What follows never sees D.
 #pragma once
 
+#include "detail/tolerance.hpp"
 #include "remanifold/samples.hpp"
 
 #include <Eigen/Core>
 
+#include <cmath>
 #include <vector>
 
 namespace remanifold::detail {
@@ -46,9 +48,32 @@ class LocalCoordinates {
   std::vector<Index> pivots_;
 };
 
-/// Gram-Schmidt, twice, on the rows.
+/// Gram-Schmidt, twice, on the rows, by inner(i, j) of two of them.
 /// \returns false where a row depends on those before it
-bool orthonormalize(RowMatrix& rows);
+template <class Rows, class Inner>
+bool gram_schmidt(Rows& rows, const Inner& inner) {
+  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+    const double before = inner(i, i);
+    for (int pass = 0; pass < 2; ++pass) {
+      for (Eigen::Index j = 0; j < i; ++j) {
+        rows.row(i) -= inner(i, j) * rows.row(j);
+      }
+    }
+    const double after = inner(i, i);
+    if (!(after > kDependentSquaredSine * before)) {
+      return false;
+    }
+    rows.row(i) /= std::sqrt(after);
+  }
+  return true;
+}
+
+template <class Rows>
+bool orthonormalize(Rows& rows) {
+  return gram_schmidt(rows, [&](Eigen::Index i, Eigen::Index j) {
+    return rows.row(i).dot(rows.row(j));
+  });
+}
 /// The same for rows that are combinations of vectors with the given Gram matrix.
 bool orthonormalize(RowMatrix& rows, const RowMatrix& gram);
 
