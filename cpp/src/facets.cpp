@@ -2,6 +2,7 @@
 #include "remanifold/facets.hpp"
 
 #include "detail/parallel.hpp"
+#include "detail/simplex_rows.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -65,7 +66,7 @@ FacetGroups group_facets(const SimplexArray& simplices, Index num_vertices,
         for (Offset v = begin; v < end; ++v) {
           const auto first = groups.facets.begin() + buckets[v];
           const auto last = groups.facets.begin() + buckets[v + 1];
-          std::sort(first, last, [&](FacetNumber a, FacetNumber b) {
+          detail::sort_few(first, last, [&](FacetNumber a, FacetNumber b) {
             const int order = compare_facets(simplices, a, b);
             return order != 0 ? order < 0 : a < b;
           });

@@ -2,6 +2,7 @@
 #include "remanifold/input_numbering.hpp"
 
 #include "detail/parallel.hpp"
+#include "detail/simplex_rows.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -24,7 +25,8 @@ std::vector<Offset> row_offsets(const Samples& samples,
 
 }  // namespace
 
-TangentSpaces to_input(const Samples& samples, const TangentSpaces& tangents) {
+TangentSpaces to_input(const Samples& samples, const TangentSpaces& tangents,
+                       const Execution& execution) {
   const std::vector<Index> canonical = samples.canonical_indices();
   const std::size_t n = canonical.size();
   const std::size_t arity = static_cast<std::size_t>(tangents.dim) + 1;
@@ -35,15 +37,20 @@ TangentSpaces to_input(const Samples& samples, const TangentSpaces& tangents) {
   result.bases.resize(n * size);
   result.simplices.resize(n * arity);
   result.boundary.resize(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    const auto c = static_cast<std::size_t>(canonical[i]);
-    std::copy_n(tangents.bases.data() + c * size, size, result.bases.data() + i * size);
-    for (std::size_t k = 0; k < arity; ++k) {
-      const Index vertex = tangents.simplices[c * arity + k];
-      result.simplices[i * arity + k] = vertex < 0 ? -1 : samples.input_index(vertex);
-    }
-    result.boundary[i] = tangents.boundary[c];
-  }
+  detail::for_each_block_uncounted(
+      static_cast<Offset>(n), kBlock, execution, [&](Offset begin, Offset end) {
+        for (Offset i = begin; i < end; ++i) {
+          const auto c = static_cast<std::size_t>(canonical[i]);
+          std::copy_n(tangents.bases.data() + c * size, size,
+                      result.bases.data() + i * size);
+          for (std::size_t k = 0; k < arity; ++k) {
+            const Index vertex = tangents.simplices[c * arity + k];
+            result.simplices[i * arity + k] =
+                vertex < 0 ? -1 : samples.input_index(vertex);
+          }
+          result.boundary[i] = tangents.boundary[c];
+        }
+      });
   return result;
 }
 
@@ -102,39 +109,38 @@ Csr stars_to_input(const Samples& samples, const LocalRegions& regions,
 }
 
 SimplexArray to_input(const Samples& samples, const SimplexArray& simplices,
-                      const std::vector<std::int8_t>& signs) {
+                      const std::vector<std::int8_t>& signs,
+                      const Execution& execution) {
   const int arity = simplices.arity;
-  SimplexArray mapped{arity, {}};
-  mapped.vertices.reserve(simplices.vertices.size());
-  for (const Index v : simplices.vertices) {
-    mapped.vertices.push_back(samples.input_index(v));
-  }
+  SimplexArray mapped{arity, std::vector<Index>(simplices.vertices.size())};
   std::vector<std::int8_t> parity(signs);
-  for (Offset s = 0; s < mapped.size(); ++s) {
-    Index* row = mapped.vertices.data() + s * arity;
-    for (int i = 1; i < arity; ++i) {
-      for (int j = i; j > 0 && row[j - 1] > row[j]; --j) {
-        std::swap(row[j - 1], row[j]);
-        if (!parity.empty()) {
-          parity[s] = static_cast<std::int8_t>(-parity[s]);
+  detail::for_each_block_uncounted(
+      mapped.size(), kBlock, execution, [&](Offset begin, Offset end) {
+        for (Offset s = begin; s < end; ++s) {
+          Index* row = mapped.vertices.data() + s * arity;
+          for (int i = 0; i < arity; ++i) {
+            row[i] = samples.input_index(simplices[s][i]);
+            for (int j = i; j > 0 && row[j - 1] > row[j]; --j) {
+              std::swap(row[j - 1], row[j]);
+              if (!parity.empty()) {
+                parity[s] = static_cast<std::int8_t>(-parity[s]);
+              }
+            }
+          }
         }
-      }
-    }
-  }
-  std::vector<Offset> order(mapped.size());
-  std::iota(order.begin(), order.end(), Offset{0});
-  std::sort(order.begin(), order.end(), [&](Offset a, Offset b) {
-    return std::lexicographical_compare(mapped[a], mapped[a] + arity, mapped[b],
-                                        mapped[b] + arity);
-  });
-  SimplexArray result{arity, {}};
-  result.vertices.reserve(mapped.vertices.size());
-  for (const Offset s : order) {
-    result.vertices.insert(result.vertices.end(), mapped[s], mapped[s] + arity);
-    if (arity > 1 && !parity.empty() && parity[s] < 0) {
-      std::swap(*(result.vertices.end() - 1), *(result.vertices.end() - 2));
-    }
-  }
+      });
+  const std::vector<Offset> order = detail::row_order(mapped, execution);
+  SimplexArray result{arity, std::vector<Index>(simplices.vertices.size())};
+  detail::for_each_block_uncounted(
+      mapped.size(), kBlock, execution, [&](Offset begin, Offset end) {
+        for (Offset s = begin; s < end; ++s) {
+          Index* row = result.vertices.data() + s * arity;
+          std::copy_n(mapped[order[s]], arity, row);
+          if (arity > 1 && !parity.empty() && parity[order[s]] < 0) {
+            std::swap(row[arity - 1], row[arity - 2]);
+          }
+        }
+      });
   return result;
 }
 

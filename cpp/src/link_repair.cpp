@@ -360,14 +360,8 @@ class LinkRepair {
 std::vector<Index> open_vertices(const SimplexArray& simplices,
                                  const std::vector<std::uint8_t>& marked,
                                  const Execution& execution) {
-  SimplexArray near{simplices.arity, {}};
-  for (Offset s = 0; s < simplices.size(); ++s) {
-    const Index* simplex = simplices[s];
-    if (std::count_if(simplex, simplex + simplices.arity,
-                      [&](Index v) { return marked[v] != 0; }) >= simplices.arity - 1) {
-      detail::append_row(near, simplex);
-    }
-  }
+  const SimplexArray near = detail::select_rows(
+      simplices, detail::rows_near(simplices, marked, simplices.arity - 1, execution));
   const FacetGroups groups =
       group_facets(near, static_cast<Index>(marked.size()), execution);
   std::vector<Index> facet(simplices.arity - 1);
@@ -386,15 +380,16 @@ std::vector<Index> open_vertices(const SimplexArray& simplices,
 
 }  // namespace
 
-std::vector<Index> repair_links(const Samples& samples,
-                                const std::vector<double>& scales,
-                                const std::vector<std::uint8_t>& marked,
-                                const FacetPrice& price, SimplexArray& simplices,
-                                const Execution& execution) {
+void repair_links(const Samples& samples, const std::vector<double>& scales,
+                  const std::vector<std::uint8_t>& marked, const FacetPrice& price,
+                  SimplexArray& simplices, const Execution& execution) {
+  if (simplices.arity - 1 > kMostDim) {
+    return;
+  }
   std::vector<Index> singular = singular_vertices(simplices, marked, execution);
   std::vector<Index> open = open_vertices(simplices, marked, execution);
-  if ((singular.empty() && open.empty()) || simplices.arity - 1 > kMostDim) {
-    return singular;
+  if (singular.empty() && open.empty()) {
+    return;
   }
   LinkRepair repair(samples, scales, simplices, execution);
   for (int round = 0; round < kRounds && !singular.empty(); ++round) {
@@ -418,7 +413,6 @@ std::vector<Index> repair_links(const Samples& samples,
   }
   repair.close_holes(open, price);
   simplices = repair.finish();
-  return singular;
 }
 
 }  // namespace remanifold

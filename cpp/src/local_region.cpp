@@ -5,6 +5,7 @@
 #include "detail/convex_hull_2.hpp"
 #include "detail/dispatch.hpp"
 #include "detail/parallel.hpp"
+#include "detail/simplex_rows.hpp"
 #include "detail/tolerance.hpp"
 
 #include <Eigen/Core>
@@ -12,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <numeric>
@@ -155,11 +157,24 @@ class RegionKernel {
   }
 
   /// \returns the number of simplices
-  Offset append_star(std::vector<Index>& out) const {
+  Offset append_star(std::vector<Index>& out) {
+    rows_.clear();
     for (const Offset facet : star_facets_) {
+      const auto row = rows_.insert(rows_.end(), dim(), 0);
       for (int i = 0; i < dim(); ++i) {
-        out.push_back(halfspaces_[facets()[facet + i]].sample);
+        row[i] = halfspaces_[facets()[facet + i]].sample;
       }
+      detail::sort_few(row, rows_.end(), std::less<>());
+    }
+    row_starts_.clear();
+    for (auto row = rows_.cbegin(); row != rows_.cend(); row += dim()) {
+      row_starts_.push_back(&*row);
+    }
+    detail::sort_few(
+        row_starts_.begin(), row_starts_.end(),
+        [&](const Index* a, const Index* b) { return detail::row_less(a, b, dim()); });
+    for (const Index* row : row_starts_) {
+      out.insert(out.end(), row, row + dim());
     }
     return static_cast<Offset>(star_facets_.size());
   }
@@ -385,8 +400,7 @@ class RegionKernel {
     for (std::size_t c = 0; c < corners_.size(); ++c) {
       const auto first = static_cast<Offset>(c) * dim();
       const Index* facet = facets().data() + first;
-      if (corners_[c].flat ||
-          std::any_of(facet, facet + dim(), ConvexHull::is_start)) {
+      if (corners_[c].flat || std::any_of(facet, facet + dim(), ConvexHull::is_start)) {
         bounded = false;
       } else {
         radius = std::max(radius, corners_[c].length);
@@ -435,13 +449,13 @@ class RegionKernel {
     const double pq = (p - q).squaredNorm();
     const double tree = std::min({pp * qq, pp * pq, qq * pq});
     Corner corner;
-    corner.position = Vector(p_offset * q[1] - q_offset * p[1],
-                             p[0] * q_offset - q[0] * p_offset) /
-                      determinant;
+    corner.position =
+        Vector(p_offset * q[1] - q_offset * p[1], p[0] * q_offset - q[0] * p_offset) /
+        determinant;
     corner.length = corner.position.norm();
     corner.error = detail::kCornerError * std::sqrt(pp * qq) / std::abs(determinant);
-    corner.flat = determinant * determinant <
-                  detail::kFlatSimplex * detail::kFlatSimplex * tree;
+    corner.flat =
+        determinant * determinant < detail::kFlatSimplex * detail::kFlatSimplex * tree;
     return corner;
   }
 
@@ -634,9 +648,9 @@ class RegionKernel {
   const Execution& execution_;
   int dim_;
   std::unique_ptr<NeighborSearch::Query> query_;
-  std::unique_ptr<ConvexHull> hull_;      // K other than 2
-  detail::HullPolygon<Corner> polygon_;   // K = 2
-  std::vector<Index> facets_;             // of the polygon
+  std::unique_ptr<ConvexHull> hull_;     // K other than 2
+  detail::HullPolygon<Corner> polygon_;  // K = 2
+  std::vector<Index> facets_;            // of the polygon
   std::size_t first_batch_;
   Index ahead_;  // neighbors read ahead of each sample
 
@@ -662,7 +676,9 @@ class RegionKernel {
   std::vector<Halfspace> halfspaces_;
   std::vector<Corner> corners_;
   std::vector<Offset>
-      star_facets_;  // facets that are dual to a corner, in the hull's list
+      star_facets_;          // facets that are dual to a corner, in the hull's list
+  std::vector<Index> rows_;  // of the star
+  std::vector<const Index*> row_starts_;
   double squared_radius_ = kInfinity;
   double limit_ = kInfinity;  // squared distance beyond which no sample cuts
   int fresh_ = 0;             // halfspaces inserted since the last update

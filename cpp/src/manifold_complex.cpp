@@ -57,7 +57,8 @@ class ManifoldBuilder {
         dim_(regions.dim),
         arity_(regions.dim + 1),
         scales_(local_scales(samples, neighborhoods, regions.dim, execution)),
-        ruler_(samples, scales_) {
+        ruler_(samples, scales_),
+        price_([this](const Index* facet) { return price_of(facet); }) {
     const std::vector<std::uint8_t>& marked = options_.boundary_samples;
     if (options_.boundary == BoundaryRule::kGiven &&
         std::find(marked.begin(), marked.end(), 1) == marked.end()) {
@@ -253,20 +254,11 @@ class ManifoldBuilder {
   /// Fills the cavities from the pool. What stays open is left for the next time, unless
   /// this is the last.
   void fill(bool last) {
-    const auto price = [&](const Index* facet) { return price_of(facet); };
-    SimplexArray near{arity_, {}};
-    std::vector<Offset> numbers;
-    for (Offset s = 0; s < fixed_.size(); ++s) {
-      const Index* simplex = fixed_[s];
-      const auto inside = std::count_if(simplex, simplex + arity_,
-                                        [&](Index v) { return unsettled_[v] != 0; });
-      if (inside >= dim_) {
-        detail::append_row(near, simplex);
-        numbers.push_back(s);
-      }
-    }
+    const std::vector<Offset> numbers =
+        detail::rows_near(fixed_, unsettled_, dim_, execution_);
+    const SimplexArray near = detail::select_rows(fixed_, numbers);
     Cavities cavities =
-        find_cavities(near, unsettled_, pool_, ruler_, price,
+        find_cavities(near, unsettled_, pool_, ruler_, price_,
                       options_.boundary == BoundaryRule::kNone, execution_);
     for (FacetNumber& rim : cavities.rims) {
       if (rim != kOpen) {
@@ -362,16 +354,12 @@ class ManifoldBuilder {
 
   void finish() {
     ManifoldReport& report = result_.report;
-    result_.simplices = detail::sorted_unique(fixed_);
+    result_.simplices = detail::sorted_unique(fixed_, execution_);
     if (dim_ == 1) {
-      repair_curves(
-          samples_, neighborhoods_, scales_,
-          [&](const Index* vertex) { return price_of(vertex); }, options_.smallest_loop,
-          result_.simplices, execution_);
+      repair_curves(samples_, neighborhoods_, scales_, price_, options_.smallest_loop,
+                    result_.simplices, execution_);
     }
-    report.singular = repair_links(
-        samples_, scales_, unsettled_, [&](const Index* f) { return price_of(f); },
-        result_.simplices, execution_);
+    repair_links(samples_, scales_, unsettled_, price_, result_.simplices, execution_);
     Insertion insertion =
         insert_vertices(samples_, neighborhoods_, scales_, options_.outlier_distance,
                         result_.simplices, execution_);
@@ -383,23 +371,22 @@ class ManifoldBuilder {
     list_filled();
     // Around what was inserted, links have changed as well.
     std::vector<std::uint8_t> marked = unsettled_;
-    for (Offset s = 0; s < result_.simplices.size(); ++s) {
-      const Index* simplex = result_.simplices[s];
-      if (std::any_of(simplex, simplex + arity_,
-                      [&](Index v) { return unsettled_[v] != 0; })) {
-        for (int i = 0; i < arity_; ++i) {
-          marked[simplex[i]] = 1;
-        }
-      }
+    const SimplexArray touched = detail::select_rows(
+        result_.simplices,
+        detail::rows_near(result_.simplices, unsettled_, 1, execution_));
+    for (const Index v : touched.vertices) {
+      marked[v] = 1;
     }
     report.singular = singular_vertices(result_.simplices, marked, execution_);
+    // All others have whole stars.
     report.open_facets.arity = report.branching_facets.arity = dim_;
-    const FacetGroups groups =
-        group_facets(result_.simplices, samples_.size(), execution_);
+    const FacetGroups groups = group_facets(touched, samples_.size(), execution_);
     std::vector<Index> facet(dim_);
     for (Offset g = 0; g < groups.size(); ++g) {
-      if (groups.cofaces(g) != 2) {
-        copy_facet(result_.simplices, groups.facets[groups.offsets[g]], facet.data());
+      copy_facet(touched, groups.facets[groups.offsets[g]], facet.data());
+      if (groups.cofaces(g) != 2 &&
+          std::all_of(facet.begin(), facet.end(),
+                      [&](Index v) { return unsettled_[v] != 0; })) {
         detail::append_row(
             groups.cofaces(g) == 1 ? report.open_facets : report.branching_facets,
             facet.data());
@@ -409,22 +396,17 @@ class ManifoldBuilder {
 
   /// What is not among the agreed simplices; those with a settled vertex are.
   void list_filled() {
-    const auto is_unsettled = [&](const Index* simplex) {
-      return std::all_of(simplex, simplex + arity_,
-                         [&](Index v) { return unsettled_[v] != 0; });
-    };
-    SimplexArray agreed{arity_, {}};
-    for (Offset s = 0; s < num_agreed_; ++s) {
-      if (is_unsettled(fixed_[s])) {
-        detail::append_row(agreed, fixed_[s]);
-      }
-    }
-    agreed = detail::sorted_unique(agreed);
+    std::vector<Offset> rows =
+        detail::rows_near(fixed_, unsettled_, arity_, execution_);
+    rows.erase(std::lower_bound(rows.begin(), rows.end(), num_agreed_), rows.end());
+    const SimplexArray agreed =
+        detail::sorted_unique(detail::select_rows(fixed_, rows));
     SimplexArray& filled = result_.report.filled;
     filled.arity = arity_;
-    for (Offset s = 0; s < result_.simplices.size(); ++s) {
+    for (const Offset s :
+         detail::rows_near(result_.simplices, unsettled_, arity_, execution_)) {
       const Index* simplex = result_.simplices[s];
-      if (is_unsettled(simplex) && detail::find_row(agreed, simplex) < 0) {
+      if (detail::find_row(agreed, simplex) < 0) {
         detail::append_row(filled, simplex);
       }
     }
@@ -441,6 +423,7 @@ class ManifoldBuilder {
   int arity_;
   std::vector<double> scales_;
   SimplexRuler ruler_;
+  FacetPrice price_;  // of leaving a facet open
 
   OrientedPatches patches_;  // of the agreed simplices
   SimplexArray fixed_;       // agreed simplices, then those chosen

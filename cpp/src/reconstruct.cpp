@@ -118,7 +118,8 @@ std::vector<std::int8_t> orient(const Samples& samples, const SimplexArray& simp
           edges(i, j) = cone ? p[j] : p[j] - origin[j];
         }
       }
-      volume[patch] += sign * edges.determinant();
+      volume[patch] += sign * (ambient_dim == 3 ? Eigen::Matrix3d(edges).determinant()
+                                                : edges.determinant());
     }
   }
   std::vector<std::int8_t> signs(simplices.size(), 0);
@@ -157,7 +158,7 @@ Reconstruction reconstruct(const Samples& samples, const ReconstructOptions& opt
   result.simplices = clique_complex(graph, tangent.dim, execution);
 
   result.seconds.complex = watch.lap();
-  TangentSpaces mapped = to_input(samples, steps.tangents);
+  TangentSpaces mapped = to_input(samples, steps.tangents, execution);
   result.tangents = std::move(mapped.bases);
   result.tangent_simplices = std::move(mapped.simplices);
   result.boundary = std::move(mapped.boundary);
@@ -206,7 +207,7 @@ ManifoldReconstruction reconstruct_manifold(const Samples& samples,
                                            steps.regions, manifold, solver, execution);
   steps.regions = {};
   const std::vector<std::int8_t> signs = orient(samples, complex.simplices, execution);
-  result.simplices = to_input(samples, complex.simplices, signs);
+  result.simplices = to_input(samples, complex.simplices, signs, execution);
   ManifoldReport& report = complex.report;
   for (SimplexArray* simplices : {&report.disputed, &report.filled, &report.open_facets,
                                   &report.branching_facets}) {
@@ -226,7 +227,7 @@ ManifoldReconstruction reconstruct_manifold(const Samples& samples,
     result.boundary[v] = 1;
   }
   result.seconds.complex = watch.lap();
-  result.tangents = to_input(samples, steps.tangents).bases;
+  result.tangents = to_input(samples, steps.tangents, execution).bases;
   const double written = watch.lap();
   result.seconds.coordinates += written;
   result.seconds.neighborhoods += written;

@@ -83,6 +83,19 @@ SimplexMeasures SimplexRuler::measure(const Index* vertices, int arity) const {
     result.volume = 1;
     return result;
   }
+  if (dim == 2) {
+    const double a = samples_.squared_distance(vertices[0], vertices[1]);
+    const double b = samples_.squared_distance(vertices[0], vertices[2]);
+    const double c = samples_.squared_distance(vertices[1], vertices[2]);
+    const double product = (a + b - c) / 2;
+    const double determinant = a * b - product * product;
+    result.squared_edges = a + b + c;
+    result.volume = determinant > 0 ? std::sqrt(determinant) / 2 : 0;
+    result.circumradius = determinant > kFlat * a * b
+                              ? std::sqrt(a * b * c / determinant) / 2
+                              : std::numeric_limits<double>::infinity();
+    return result;
+  }
   Small gram(dim, dim);
   for (int i = 0; i < dim; ++i) {
     gram(i, i) = samples_.squared_distance(vertices[0], vertices[i + 1]);

@@ -3,6 +3,7 @@
 
 #include "detail/disjoint_sets.hpp"
 #include "detail/parallel.hpp"
+#include "remanifold/facets.hpp"
 
 #include <algorithm>
 #include <array>
@@ -256,58 +257,29 @@ struct Patches {
   bool orientable = true;
 };
 
-Patches walk_patches(const SimplexArray& simplices, const FaceTable& facets) {
-  struct Crossing {
-    Offset simplex = -1;
-    bool flips = false;
-  };
+Patches find_patches(const SimplexArray& simplices, const FaceTable& facets) {
   const int arity = simplices.arity;
-  std::vector<Crossing> across(simplices.size() * arity);
+  std::vector<FacetNumber> neighbors(simplices.vertices.size(), kOpen);
   for (Offset f = 0; f < facets.size(); ++f) {
-    if (facets.cofaces(f) != 2) {
-      continue;
+    if (facets.cofaces(f) == 2) {
+      const Offset a = facets.instances[facets.offsets[f]];
+      const Offset b = facets.instances[facets.offsets[f] + 1];
+      neighbors[a] = b;
+      neighbors[b] = a;
     }
-    const Offset a = facets.instances[facets.offsets[f]];
-    const Offset b = facets.instances[facets.offsets[f] + 1];
-    // Facet i of an ascending simplex has sign (-1)^i: equal parity asks for opposite
-    // orientations.
-    const bool flips = (a % arity) % 2 == (b % arity) % 2;
-    across[a] = {b / arity, flips};
-    across[b] = {a / arity, flips};
+  }
+  const OrientedPatches oriented = orient_patches(neighbors, arity);
+  std::vector<std::uint8_t> closed(oriented.sizes.size(), 1);
+  for (std::size_t f = 0; f < neighbors.size(); ++f) {
+    if (neighbors[f] == kOpen) {
+      closed[oriented.patch[f / arity]] = 0;
+    }
   }
   Patches patches;
-  std::vector<std::int8_t> sign(simplices.size(), 0);
-  std::vector<Offset> stack;
-  for (Offset seed = 0; seed < simplices.size(); ++seed) {
-    if (sign[seed] != 0) {
-      continue;
-    }
-    bool closed = true;
-    bool orientable = true;
-    sign[seed] = 1;
-    stack.assign(1, seed);
-    while (!stack.empty()) {
-      const Offset s = stack.back();
-      stack.pop_back();
-      for (int i = 0; i < arity; ++i) {
-        const Crossing& crossing = across[s * arity + i];
-        if (crossing.simplex < 0) {
-          closed = false;
-          continue;
-        }
-        const auto wanted =
-            static_cast<std::int8_t>(crossing.flips ? -sign[s] : sign[s]);
-        std::int8_t& other = sign[crossing.simplex];
-        if (other == 0) {
-          other = wanted;
-          stack.push_back(crossing.simplex);
-        } else if (other != wanted) {
-          orientable = false;
-        }
-      }
-    }
-    patches.closed += closed ? 1 : 0;
-    patches.closed_orientable += closed && orientable ? 1 : 0;
+  for (std::size_t p = 0; p < closed.size(); ++p) {
+    const bool orientable = oriented.orientable[p] != 0;
+    patches.closed += closed[p] != 0 ? 1 : 0;
+    patches.closed_orientable += closed[p] != 0 && orientable ? 1 : 0;
     patches.orientable = patches.orientable && orientable;
   }
   return patches;
@@ -427,7 +399,7 @@ Topology compute_topology(const SimplexArray& simplices, Index num_vertices,
       find_open_faces(all, std::vector<std::uint8_t>(num_vertices, 0)).hole.size());
 
   execution.poll();
-  const Patches patches = walk_patches(simplices, facets);
+  const Patches patches = find_patches(simplices, facets);
   result.closed_patches = patches.closed;
   result.closed_orientable_patches = patches.closed_orientable;
   result.orientable = result.pseudomanifold && patches.orientable;

@@ -16,7 +16,8 @@
 namespace remanifold {
 
 /// Bases are NaN on the boundary. Coefficients, which refer to neighbors, are left out.
-TangentSpaces to_input(const Samples& samples, const TangentSpaces& tangents);
+TangentSpaces to_input(const Samples& samples, const TangentSpaces& tangents,
+                       const Execution& execution = {});
 
 /// Rows ascend.
 Csr edge_sets_to_input(const Samples& samples, const LocalRegions& regions,
@@ -31,6 +32,7 @@ Csr stars_to_input(const Samples& samples, const LocalRegions& regions,
 /// but for the last two, which change places where that gives the simplex its sign.
 /// Without signs all columns ascend. Rows in lexicographic order of ascending columns.
 SimplexArray to_input(const Samples& samples, const SimplexArray& simplices,
-                      const std::vector<std::int8_t>& signs);
+                      const std::vector<std::int8_t>& signs,
+                      const Execution& execution = {});
 
 }  // namespace remanifold

@@ -14,18 +14,16 @@
 
 namespace remanifold {
 
-/// Up to K = 4, mends links one move after the other, as long as there are fewer bad ones after it:
+/// Up to K = 4, mends links one move after the other, as long as there are fewer bad ones
+/// after it:
 /// - one of several fans of simplices around a face is taken out and the hole filled
 ///   without the face,
 /// - a simplex at the boundary is taken out, or put in between two open facets.
 /// Small holes that a move leaves are closed again where that costs less than the price of
 /// their facets. Rows of the result are sorted.
 /// \param marked  vertices to look at
-/// \returns the vertices that stay singular
-std::vector<Index> repair_links(const Samples& samples,
-                                const std::vector<double>& scales,
-                                const std::vector<std::uint8_t>& marked,
-                                const FacetPrice& price, SimplexArray& simplices,
-                                const Execution& execution = {});
+void repair_links(const Samples& samples, const std::vector<double>& scales,
+                  const std::vector<std::uint8_t>& marked, const FacetPrice& price,
+                  SimplexArray& simplices, const Execution& execution = {});
 
 }  // namespace remanifold

@@ -38,7 +38,8 @@ struct LocalRegions {
   int dim = 0;
   Csr edge_sets;  ///< ES(x), ascending
   std::vector<Offset> star_offsets{0};
-  std::vector<Index> stars;  ///< K vertices a simplex, ascending; x itself left out
+  /// K vertices a simplex, ascending, x itself left out; the rows of each star sorted.
+  std::vector<Index> stars;
   std::vector<double> squared_radii;  ///< of LR(x); infinite where unbounded, NaN on BD
   Offset neighbors_used = 0;          ///< samples looked at by all regions together
   Offset vacuous_constraints = 0;     ///< samples straight above x: no constraint

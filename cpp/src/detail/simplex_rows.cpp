@@ -1,26 +1,95 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "detail/simplex_rows.hpp"
 
+#include "detail/parallel.hpp"
+
 #include <algorithm>
 #include <numeric>
 
 namespace remanifold::detail {
 
-SimplexArray sorted_unique(const SimplexArray& simplices) {
+namespace {
+
+constexpr Offset kBlock = 4096;
+
+}  // namespace
+
+std::vector<Offset> row_order(const SimplexArray& simplices,
+                              const Execution& execution) {
   const int arity = simplices.arity;
-  std::vector<Offset> order(simplices.size());
-  std::iota(order.begin(), order.end(), Offset{0});
-  std::sort(order.begin(), order.end(), [&](Offset a, Offset b) {
-    return std::lexicographical_compare(simplices[a], simplices[a] + arity,
-                                        simplices[b], simplices[b] + arity);
+  const Offset count = simplices.size();
+  std::vector<Offset> order(count);
+  const auto less = [&](Offset a, Offset b) {
+    return row_less(simplices[a] + 1, simplices[b] + 1, arity - 1);
+  };
+  // Buckets by the first column, then each on its own.
+  Index last = 0;
+  for (Offset s = 0; s < count; ++s) {
+    last = std::max(last, *simplices[s]);
+  }
+  std::vector<Offset> buckets(static_cast<std::size_t>(last) + 2, 0);
+  for (Offset s = 0; s < count; ++s) {
+    ++buckets[*simplices[s] + 1];
+  }
+  std::partial_sum(buckets.begin(), buckets.end(), buckets.begin());
+  std::vector<Offset> next(buckets.begin(), buckets.end() - 1);
+  for (Offset s = 0; s < count; ++s) {
+    order[next[*simplices[s]]++] = s;
+  }
+  for_each_block_uncounted(last + 1, kBlock, execution, [&](Offset begin, Offset end) {
+    for (Offset v = begin; v < end; ++v) {
+      sort_few(
+          order.begin() + buckets[v], order.begin() + buckets[v + 1],
+          [&](Offset a, Offset b) { return less(a, b) || (a < b && !less(b, a)); });
+    }
   });
+  return order;
+}
+
+SimplexArray sorted_unique(const SimplexArray& simplices, const Execution& execution) {
+  const int arity = simplices.arity;
+  const std::vector<Offset> order = row_order(simplices, execution);
   SimplexArray result{arity, {}};
   result.vertices.reserve(simplices.vertices.size());
   for (std::size_t i = 0; i < order.size(); ++i) {
     const Index* row = simplices[order[i]];
-    if (i == 0 || !std::equal(row, row + arity, simplices[order[i - 1]])) {
+    if (i == 0 || !row_equal(row, simplices[order[i - 1]], arity)) {
       append_row(result, row);
     }
+  }
+  return result;
+}
+
+std::vector<Offset> rows_near(const SimplexArray& simplices,
+                              const std::vector<std::uint8_t>& marked, int least,
+                              const Execution& execution) {
+  const int arity = simplices.arity;
+  std::vector<std::vector<Offset>> blocks((simplices.size() + kBlock - 1) / kBlock);
+  for_each_block_uncounted(simplices.size(), kBlock, execution,
+                           [&](Offset begin, Offset end) {
+                             for (Offset s = begin; s < end; ++s) {
+                               int count = 0;
+                               for (int i = 0; i < arity; ++i) {
+                                 count += marked[simplices[s][i]] != 0 ? 1 : 0;
+                               }
+                               if (count >= least) {
+                                 blocks[begin / kBlock].push_back(s);
+                               }
+                             }
+                           });
+  std::vector<Offset> rows;
+  for (const std::vector<Offset>& block : blocks) {
+    rows.insert(rows.end(), block.begin(), block.end());
+  }
+  return rows;
+}
+
+SimplexArray select_rows(const SimplexArray& simplices,
+                         const std::vector<Offset>& rows) {
+  SimplexArray result{simplices.arity, {}};
+  result.vertices.reserve(rows.size() * simplices.arity);
+  for (const Offset s : rows) {
+    append_row(result, simplices[s]);
   }
   return result;
 }
@@ -43,16 +112,14 @@ Offset find_row(const SimplexArray& sorted, const Index* simplex) {
   Offset high = sorted.size();
   while (low < high) {
     const Offset middle = (low + high) / 2;
-    if (std::lexicographical_compare(sorted[middle], sorted[middle] + arity, simplex,
-                                     simplex + arity)) {
+    if (row_less(sorted[middle], simplex, arity)) {
       low = middle + 1;
     } else {
       high = middle;
     }
   }
-  return low < sorted.size() && std::equal(simplex, simplex + arity, sorted[low])
-             ? low
-             : Offset{-1};
+  return low < sorted.size() && row_equal(simplex, sorted[low], arity) ? low
+                                                                       : Offset{-1};
 }
 
 }  // namespace remanifold::detail

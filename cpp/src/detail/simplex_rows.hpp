@@ -2,21 +2,73 @@
 // Sorting and selecting the rows of simplex arrays.
 #pragma once
 
+#include "remanifold/execution.hpp"
 #include "remanifold/types.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
 namespace remanifold::detail {
 
 /// Rows in lexicographic order, each once.
-SimplexArray sorted_unique(const SimplexArray& simplices);
+SimplexArray sorted_unique(const SimplexArray& simplices,
+                           const Execution& execution = {});
+
+/// The order in which rows ascend, equal ones by position.
+std::vector<Offset> row_order(const SimplexArray& simplices,
+                              const Execution& execution = {});
+
+inline bool row_less(const Index* a, const Index* b, int arity) {
+  for (int i = 0; i < arity; ++i) {
+    if (a[i] != b[i]) {
+      return a[i] < b[i];
+    }
+  }
+  return false;
+}
+
+inline bool row_equal(const Index* a, const Index* b, int arity) {
+  for (int i = 0; i < arity; ++i) {
+    if (a[i] != b[i]) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/// Numbers of the rows of which at least `least` vertices are marked.
+std::vector<Offset> rows_near(const SimplexArray& simplices,
+                              const std::vector<std::uint8_t>& marked, int least,
+                              const Execution& execution = {});
+
+/// These rows.
+SimplexArray select_rows(const SimplexArray& simplices,
+                         const std::vector<Offset>& rows);
 
 /// Removes the rows that are marked.
 void erase_rows(SimplexArray& simplices, const std::vector<std::uint8_t>& marked);
 
 /// Position of the row in an array that is sorted, or -1.
 Offset find_row(const SimplexArray& sorted, const Index* simplex);
+
+/// Sorts by insertion while there is little to sort, as in the star of a sample.
+template <class Iterator, class Less>
+void sort_few(Iterator first, Iterator last, const Less& less) {
+  constexpr auto few = 24;
+  if (last - first > few) {
+    std::sort(first, last, less);
+    return;
+  }
+  for (Iterator i = first; i != last; ++i) {
+    const auto value = *i;
+    Iterator j = i;
+    for (; j != first && less(value, *(j - 1)); --j) {
+      *j = *(j - 1);
+    }
+    *j = value;
+  }
+}
 
 inline void append_row(SimplexArray& simplices, const Index* simplex) {
   simplices.vertices.insert(simplices.vertices.end(), simplex,
