@@ -77,7 +77,7 @@ class RegionKernel {
         dim_(K == Eigen::Dynamic ? tangents.dim : K),
         query_(search.query(execution)),
         hull_(K == 2 ? nullptr : detail::make_convex_hull(dim_)),
-        first_batch_(K == 2 ? 1 : 4 * dim_),
+        first_batch_(4 * dim_),
         ahead_(is_cheap() ? 0 : std::min(neighborhoods.count, typical_count(dim_))),
         largest_weight_(*std::max_element(weights.begin(), weights.end())),
         max_corner_count_(static_cast<Offset>(
@@ -230,7 +230,7 @@ class RegionKernel {
     std::copy_n(ahead_distances_.data() + first, ahead_, squared_distances_.data());
     measured_ = static_cast<std::size_t>(ahead_);
     if constexpr (K == 2) {
-      polygon_.restart(1 / end_, [&](Index a, Index b) { return corner_of(a, b); });
+      polygon_.restart(1 / end_, kInfinity);
     } else {
       hull_->restart(dim(), 1 / end_);
     }
@@ -269,6 +269,21 @@ class RegionKernel {
   /// security radius reaches.
   /// \returns false where it reaches beyond the list
   bool add_nearest(std::size_t& done) {
+    if constexpr (K == 2) {
+      for (; done < list_.size(); ++done) {
+        measure_list(done + 1);
+        if (squared_distances_[done] > limit_) {
+          update();
+          if (squared_distances_[done] > limit_) {
+            return true;
+          }
+        }
+        add_halfspace(list_[done], squared_distances_[done],
+                      tangent_coordinates_.col(static_cast<Eigen::Index>(done)));
+      }
+      update();
+      return done > 0 && squared_distances_[done - 1] > limit_;
+    }
     std::size_t batch = first_batch_;
     while (done < list_.size()) {
       const std::size_t end = std::min(list_.size(), done + batch);
@@ -281,7 +296,7 @@ class RegionKernel {
       if (done < end) {
         return true;
       }
-      batch += batch / 2;  // 1 stays 1
+      batch += batch / 2;
     }
     return done > 0 && squared_distances_[done - 1] > limit_;
   }
@@ -315,6 +330,14 @@ class RegionKernel {
     const double* px = samples_.point(x_);
     const double* pq = samples_.point(q);
     const double* basis = tangents_.bases.data() + row * dim() * ambient_dim;
+    if (K == 2 && ambient_dim == 3) {
+      const double d0 = pq[0] - px[0];
+      const double d1 = pq[1] - px[1];
+      const double d2 = pq[2] - px[2];
+      coordinates[0] = basis[0] * d0 + basis[1] * d1 + basis[2] * d2;
+      coordinates[1] = basis[3] * d0 + basis[4] * d1 + basis[5] * d2;
+      return d0 * d0 + d1 * d1 + d2 * d2;
+    }
     if (ambient_dim <= kPlainLoopDim) {
       coordinates.setZero();
       for (int j = 0; j < ambient_dim; ++j) {
@@ -348,11 +371,14 @@ class RegionKernel {
     halfspaces_.push_back({normal, offset, q});
     if constexpr (K == 2) {
       if (!polygon_.insert({dual[0], dual[1]}, id,
-                           [&](Index a, Index b) { return corner_of(a, b); })) {
+                           [&](Index a, Index b) { return squared_length(a, b); })) {
         halfspaces_.pop_back();
         return;
       }
-      bound_by_polygon();
+      limit_ = 0;
+      for (const auto& vertex : polygon_.vertices()) {
+        limit_ = std::max(limit_, security_radius(vertex.value));
+      }
     } else {
       hull_->insert(dual.data(), id);
     }
@@ -384,9 +410,10 @@ class RegionKernel {
       facets_.clear();
       const auto& vertices = polygon_.vertices();
       for (std::size_t i = 0; i < vertices.size(); ++i) {
-        corners_.push_back(vertices[i].corner);
+        const Index next = vertices[i + 1 == vertices.size() ? 0 : i + 1].id;
+        corners_.push_back(corner_of(vertices[i].id, next));
         facets_.push_back(vertices[i].id);
-        facets_.push_back(vertices[i + 1 == vertices.size() ? 0 : i + 1].id);
+        facets_.push_back(next);
       }
     } else {
       hull_->update();
@@ -407,42 +434,45 @@ class RegionKernel {
         star_facets_.push_back(first);
       }
     }
-    set_radius(bounded ? radius : kInfinity);
+    squared_radius_ = bounded ? radius * radius : kInfinity;
+    limit_ = security_radius(squared_radius_);
   }
 
-  void set_radius(double radius) {
-    squared_radius_ = radius * radius;
-    limit_ = 4 * (1 + detail::kSecuritySlack) * squared_radius_;
+  /// Squared distance beyond which no sample cuts off a corner.
+  static double security_radius(double squared_length) {
+    return 4 * (1 + detail::kSecuritySlack) * squared_length;
   }
 
-  void bound_by_polygon() {
-    double radius = 0;
-    for (const auto& vertex : polygon_.vertices()) {
-      if (ConvexHull::is_start(vertex.id) || vertex.corner.flat) {
-        return;
-      }
-      radius = std::max(radius, vertex.corner.length);
-    }
-    set_radius(radius);
-  }
-
-  /// The plane's: of the lines of two ids.
-  Corner corner_of(Index a, Index b) const {
-    const auto line = [&](Index id, Vector& normal) {
-      if (ConvexHull::is_start(id)) {
-        for (int axis = 0; axis < 2; ++axis) {
-          normal[axis] =
-              ConvexHull::start_coordinate(2, ConvexHull::start_vertex(id), axis);
-        }
-        return end_;
-      }
+  /// The plane's: normal and offset of the line of an id.
+  double line_of(Index id, Vector& normal) const {
+    if (!ConvexHull::is_start(id)) {
       normal = halfspaces_[id].normal;
       return halfspaces_[id].offset;
-    };
+    }
+    for (int axis = 0; axis < 2; ++axis) {
+      normal[axis] =
+          ConvexHull::start_coordinate(2, ConvexHull::start_vertex(id), axis);
+    }
+    return end_;
+  }
+
+  /// Of the corner where two lines of the plane meet; none at the end of the region.
+  double squared_length(Index a, Index b) const {
+    if (ConvexHull::is_start(a) || ConvexHull::is_start(b)) {
+      return kInfinity;
+    }
+    const Halfspace& p = halfspaces_[a];
+    const Halfspace& q = halfspaces_[b];
+    const double determinant = p.normal[0] * q.normal[1] - p.normal[1] * q.normal[0];
+    return (p.offset * q.normal - q.offset * p.normal).squaredNorm() /
+           (determinant * determinant);
+  }
+
+  Corner corner_of(Index a, Index b) const {
     Vector p;
     Vector q;
-    const double p_offset = line(a, p);
-    const double q_offset = line(b, q);
+    const double p_offset = line_of(a, p);
+    const double q_offset = line_of(b, q);
     const double determinant = p[0] * q[1] - p[1] * q[0];
     const double pp = p.squaredNorm();
     const double qq = q.squaredNorm();
@@ -649,7 +679,7 @@ class RegionKernel {
   int dim_;
   std::unique_ptr<NeighborSearch::Query> query_;
   std::unique_ptr<ConvexHull> hull_;     // K other than 2
-  detail::HullPolygon<Corner> polygon_;  // K = 2
+  detail::HullPolygon polygon_;  // K = 2
   std::vector<Index> facets_;            // of the polygon
   std::size_t first_batch_;
   Index ahead_;  // neighbors read ahead of each sample

@@ -113,10 +113,11 @@ class TangentKernel {
   }
 
   bool fit() {
-    if (!fit_.find_principal()) {
+    const bool jet = options_.estimator == Estimator::kJet;
+    if (!fit_.find_principal(jet)) {
       return false;
     }
-    if (options_.estimator == Estimator::kJet) {
+    if (jet) {
       fit_.refine();
       fit_.refine();
     }

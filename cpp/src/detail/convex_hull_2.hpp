@@ -38,34 +38,30 @@ inline int orientation(PlanePoint a, PlanePoint b, PlanePoint c) {
   return -determinant > bound ? -1 : exact_orientation(a, b, c);
 }
 
-/// Corner: what is kept with every edge, of the line through its two ends.
-template <class Corner>
 class HullPolygon {
  public:
   struct Vertex {
     PlanePoint point;
     Index id;
-    Corner corner;  // of the edge to the next vertex
+    double value;  // what the caller knows of the edge to the next vertex
   };
 
   /// Back to the triangle at the start, scaled by `size`.
-  template <class CornerOf>
-  void restart(double size, const CornerOf& corner_of) {
+  /// \param value  of all three edges
+  void restart(double size, double value) {
     vertices_.clear();
     for (int which = 0; which < 3; ++which) {
       vertices_.push_back({{size * ConvexHull::start_coordinate(2, which, 0),
                             size * ConvexHull::start_coordinate(2, which, 1)},
                            ConvexHull::start_id(which),
-                           {}});
-    }
-    for (std::size_t i = 0; i < 3; ++i) {
-      vertices_[i].corner = corner_of(vertices_[i].id, vertices_[(i + 1) % 3].id);
+                           value});
     }
   }
 
+  /// \param value_of  called with the two ids of each new edge
   /// \returns false where the point is inside or on the hull
-  template <class CornerOf>
-  bool insert(PlanePoint point, Index id, const CornerOf& corner_of) {
+  template <class ValueOf>
+  bool insert(PlanePoint point, Index id, const ValueOf& value_of) {
     const std::size_t n = vertices_.size();
     signs_.resize(n);
     std::size_t visible = n;  // an edge that has the point on its outer side
@@ -92,7 +88,7 @@ class HullPolygon {
       first = 0;
     }
     const auto at = vertices_.begin() + static_cast<Offset>(first) + 1;
-    const Vertex vertex{point, id, {}};
+    const Vertex vertex{point, id, 0};
     if (length == 1) {
       vertices_.insert(at, vertex);
     } else {
@@ -100,8 +96,8 @@ class HullPolygon {
       vertices_.erase(at + 1, at + static_cast<Offset>(length) - 1);
     }
     const std::size_t after = (first + 2) % vertices_.size();
-    vertices_[first].corner = corner_of(vertices_[first].id, id);
-    vertices_[first + 1].corner = corner_of(id, vertices_[after].id);
+    vertices_[first].value = value_of(vertices_[first].id, id);
+    vertices_[first + 1].value = value_of(id, vertices_[after].id);
     return true;
   }
 

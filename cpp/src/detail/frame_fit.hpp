@@ -34,8 +34,9 @@ class FrameFit {
   double& coordinate(Index i, Eigen::Index axis) { return vectors_(i, axis); }
 
   /// The K leading principal directions of the vectors with x itself.
+  /// \param rough  good enough to be refined
   /// \returns false where there are fewer
-  bool find_principal() {
+  bool find_principal(bool rough) {
     const Eigen::Index size = vectors_.cols();
     if (size < dim() || count_ < dim()) {
       return false;
@@ -50,7 +51,7 @@ class FrameFit {
                                                 members * mean_[i] * mean_[j];
       }
     }
-    eigen_.compute(covariance_);
+    decompose_covariance(rough);
     const auto& values = eigen_.eigenvalues();
     const Eigen::Index last = size - 1;
     if (!(values[last - dim() + 1] > kDependentSquaredSine * values[last])) {
@@ -88,11 +89,26 @@ class FrameFit {
 
  private:
   static constexpr int kLanes = 4;
+  static constexpr double kRough = 1e-4;
   static constexpr int kUnknowns =
       K == Eigen::Dynamic ? Eigen::Dynamic : K + K * (K + 1) / 2;
   using Columns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic>;
 
   int dim() const { return K == Eigen::Dynamic ? dim_ : K; }
+
+  /// The closed form loses digits where eigenvalues are close to each other or small.
+  void decompose_covariance(bool rough) {
+    if constexpr (D == 3) {
+      if (rough) {
+        eigen_.computeDirect(covariance_);
+        const auto& values = eigen_.eigenvalues();
+        if (values[2 - dim() + 1] > kRough * values[2]) {
+          return;
+        }
+      }
+    }
+    eigen_.compute(covariance_);
+  }
 
   template <class A, class B>
   double dot(const A& a, const B& b) const {
