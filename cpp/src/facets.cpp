@@ -17,19 +17,76 @@ Index facet_vertex(const Index* simplex, int i, int j) {
   return simplex[j < i ? j : j + 1];
 }
 
-int compare_facets(const SimplexArray& simplices, FacetNumber a, FacetNumber b) {
+/// Facets in the order of their vertices. visit(facets, first, last) is called, in
+/// parallel, for the positions of each group that has the same vertices.
+template <class Visit>
+std::vector<FacetNumber> sort_facets(const SimplexArray& simplices, Index num_vertices,
+                                     const Execution& execution, const Visit& visit) {
   const int arity = simplices.arity;
-  const Index* first = simplices[a / arity];
-  const Index* second = simplices[b / arity];
-  const int i = static_cast<int>(a % arity);
-  const int j = static_cast<int>(b % arity);
-  for (int k = 0; k + 1 < arity; ++k) {
-    const Index difference = facet_vertex(first, i, k) - facet_vertex(second, j, k);
-    if (difference != 0) {
-      return difference;
+  const auto vertex_of = [&](FacetNumber f, int position) {
+    return facet_vertex(simplices[f / arity], static_cast<int>(f % arity), position);
+  };
+  // Buckets by the lowest vertex, then each sorted on its own, most by the second alone.
+  const auto for_each_lowest = [&](const auto& body) {
+    FacetNumber f = 0;
+    for (Offset s = 0; s < simplices.size(); ++s) {
+      const Index* simplex = simplices[s];
+      body(simplex[1], f++);
+      for (int i = 1; i < arity; ++i) {
+        body(simplex[0], f++);
+      }
     }
+  };
+  std::vector<Offset> buckets(static_cast<std::size_t>(num_vertices) + 1, 0);
+  for_each_lowest([&](Index v, FacetNumber) { ++buckets[v + 1]; });
+  std::partial_sum(buckets.begin(), buckets.end(), buckets.begin());
+  std::vector<FacetNumber> facets(buckets.back());
+  {
+    std::vector<Offset> next(buckets.begin(), buckets.end() - 1);
+    for_each_lowest([&](Index v, FacetNumber f) { facets[next[v]++] = f; });
   }
-  return 0;
+  struct Entry {
+    Index second;
+    FacetNumber facet;
+  };
+  const auto compare = [&](const Entry& a, const Entry& b) {
+    if (a.second != b.second) {
+      return a.second < b.second ? -1 : 1;
+    }
+    for (int k = 2; k + 1 < arity; ++k) {
+      const Index va = vertex_of(a.facet, k);
+      const Index vb = vertex_of(b.facet, k);
+      if (va != vb) {
+        return va < vb ? -1 : 1;
+      }
+    }
+    return 0;
+  };
+  detail::for_each_block_uncounted(
+      num_vertices, kBlock, execution, [&](Offset begin, Offset end) {
+        std::vector<Entry> entries;
+        for (Offset v = begin; v < end; ++v) {
+          entries.clear();
+          for (Offset i = buckets[v]; i < buckets[v + 1]; ++i) {
+            entries.push_back({arity > 2 ? vertex_of(facets[i], 1) : 0, facets[i]});
+          }
+          detail::sort_few(entries.begin(), entries.end(),
+                           [&](const Entry& a, const Entry& b) {
+                             const int order = compare(a, b);
+                             return order != 0 ? order < 0 : a.facet < b.facet;
+                           });
+          Offset first = buckets[v];
+          for (std::size_t i = 0; i < entries.size(); ++i) {
+            const Offset position = buckets[v] + static_cast<Offset>(i);
+            facets[position] = entries[i].facet;
+            if (i + 1 == entries.size() || compare(entries[i], entries[i + 1]) != 0) {
+              visit(facets.data(), first, position + 1);
+              first = position + 1;
+            }
+          }
+        }
+      });
+  return facets;
 }
 
 }  // namespace
@@ -44,45 +101,15 @@ void copy_facet(const SimplexArray& simplices, FacetNumber facet, Index* out) {
 
 FacetGroups group_facets(const SimplexArray& simplices, Index num_vertices,
                          const Execution& execution) {
-  const int arity = simplices.arity;
-  const Offset count = simplices.size() * arity;
-  // Buckets by the lowest vertex, then each sorted on its own.
-  std::vector<Offset> buckets(static_cast<std::size_t>(num_vertices) + 1, 0);
-  for (FacetNumber f = 0; f < count; ++f) {
-    ++buckets[facet_vertex(simplices[f / arity], static_cast<int>(f % arity), 0) + 1];
-  }
-  std::partial_sum(buckets.begin(), buckets.end(), buckets.begin());
+  std::vector<std::uint8_t> ends(simplices.vertices.size() + 1, 0);
   FacetGroups groups;
-  groups.facets.resize(count);
-  std::vector<Offset> next(buckets.begin(), buckets.end() - 1);
-  for (FacetNumber f = 0; f < count; ++f) {
-    const Index lowest =
-        facet_vertex(simplices[f / arity], static_cast<int>(f % arity), 0);
-    groups.facets[next[lowest]++] = f;
-  }
-  std::vector<std::uint8_t> starts(static_cast<std::size_t>(count), 0);
-  detail::for_each_block_uncounted(
-      num_vertices, kBlock, execution, [&](Offset begin, Offset end) {
-        for (Offset v = begin; v < end; ++v) {
-          const auto first = groups.facets.begin() + buckets[v];
-          const auto last = groups.facets.begin() + buckets[v + 1];
-          detail::sort_few(first, last, [&](FacetNumber a, FacetNumber b) {
-            const int order = compare_facets(simplices, a, b);
-            return order != 0 ? order < 0 : a < b;
-          });
-          for (auto f = first; f != last; ++f) {
-            starts[f - groups.facets.begin()] =
-                f == first || compare_facets(simplices, *(f - 1), *f) != 0 ? 1 : 0;
-          }
-        }
-      });
-  for (Offset i = 1; i < count; ++i) {
-    if (starts[i] != 0) {
-      groups.offsets.push_back(i);
+  groups.facets =
+      sort_facets(simplices, num_vertices, execution,
+                  [&](const FacetNumber*, Offset, Offset last) { ends[last] = 1; });
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    if (ends[i] != 0) {
+      groups.offsets.push_back(static_cast<Offset>(i));
     }
-  }
-  if (count > 0) {
-    groups.offsets.push_back(count);
   }
   return groups;
 }
@@ -123,20 +150,18 @@ SimplexArray edges_of(const SimplexArray& simplices, Index num_vertices) {
 std::vector<FacetNumber> facet_neighbors(const SimplexArray& simplices,
                                          Index num_vertices,
                                          const Execution& execution) {
-  const FacetGroups groups = group_facets(simplices, num_vertices, execution);
-  std::vector<FacetNumber> neighbors(groups.facets.size(), kOpen);
-  for (Offset g = 0; g < groups.size(); ++g) {
-    const FacetNumber* facets = groups.facets.data() + groups.offsets[g];
-    const Offset cofaces = groups.cofaces(g);
-    if (cofaces == 2) {
-      neighbors[facets[0]] = facets[1];
-      neighbors[facets[1]] = facets[0];
-    } else if (cofaces > 2) {
-      for (Offset i = 0; i < cofaces; ++i) {
-        neighbors[facets[i]] = kBranching;
-      }
-    }
-  }
+  std::vector<FacetNumber> neighbors(simplices.vertices.size(), kOpen);
+  sort_facets(simplices, num_vertices, execution,
+              [&](const FacetNumber* facets, Offset first, Offset last) {
+                if (last - first == 2) {
+                  neighbors[facets[first]] = facets[first + 1];
+                  neighbors[facets[first + 1]] = facets[first];
+                } else if (last - first > 2) {
+                  for (Offset i = first; i < last; ++i) {
+                    neighbors[facets[i]] = kBranching;
+                  }
+                }
+              });
   return neighbors;
 }
 

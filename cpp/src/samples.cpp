@@ -164,7 +164,7 @@ Samples Samples::from_points(MatrixView points, const Execution& execution) {
     return 0;
   };
   execution.poll();
-  std::sort(keys.begin(), keys.end(), [&](const Key& a, const Key& b) {
+  detail::sort_all(keys, execution, [&](const Key& a, const Key& b) {
     if (a.code != b.code) {
       return a.code < b.code;
     }

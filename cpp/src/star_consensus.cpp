@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "remanifold/star_consensus.hpp"
 
+#include "detail/dispatch.hpp"
 #include "detail/parallel.hpp"
 #include "detail/simplex_rows.hpp"
 
@@ -13,24 +14,30 @@ constexpr Offset kBlock = 512;
 constexpr Offset kFewRows = 12;  // looked at one after the other
 
 /// One sample's share of the simplices: those whose lowest vertex with a vote it is.
+template <int K>
 class VoteCounter {
  public:
   explicit VoteCounter(const LocalRegions& regions)
-      : regions_(regions), dim_(regions.dim), simplex_(dim_ + 1), others_(dim_) {}
+      : regions_(regions),
+        dim_(regions.dim),
+        simplex_(regions.dim + 1),
+        others_(regions.dim) {}
 
   void count(Index x, StarSimplices& out) {
     for (Offset r = regions_.star_offsets[x]; r < regions_.star_offsets[x + 1]; ++r) {
-      const Index* row = regions_.stars.data() + r * dim_;
-      const Index* above = std::lower_bound(row, row + dim_, x);
-      auto end = std::copy(row, above, simplex_.begin());
-      *end++ = x;
-      std::copy(above, row + dim_, end);
+      const Index* row = regions_.stars.data() + r * dim();
+      int position = 0;
+      for (; position < dim() && row[position] < x; ++position) {
+        simplex_[position] = row[position];
+      }
+      simplex_[position] = x;
+      std::copy(row + position, row + dim(), simplex_.begin() + position + 1);
       int votes = 1;
       bool first = true;
-      for (int i = 0; i <= dim_ && first; ++i) {
-        if (simplex_[i] != x && votes_for(simplex_[i])) {
+      for (int i = 0; i <= dim() && first; ++i) {
+        if (i != position && votes_for(i)) {
           ++votes;
-          first = simplex_[i] > x;
+          first = i > position;
         }
       }
       if (first) {
@@ -42,21 +49,26 @@ class VoteCounter {
   }
 
  private:
-  bool votes_for(Index vertex) {
-    std::remove_copy(simplex_.begin(), simplex_.end(), others_.begin(), vertex);
+  int dim() const { return K == Eigen::Dynamic ? dim_ : K; }
+
+  /// Whether the star of the i-th vertex has the simplex.
+  bool votes_for(int i) {
+    const Index vertex = simplex_[i];
+    std::copy_n(simplex_.begin(), i, others_.begin());
+    std::copy_n(simplex_.begin() + i + 1, dim() - i, others_.begin() + i);
     Offset low = regions_.star_offsets[vertex];
     Offset high = regions_.star_offsets[vertex + 1];
     const Index* rows = regions_.stars.data();
     while (high - low > kFewRows) {
       const Offset middle = (low + high) / 2;
-      if (detail::row_less(rows + middle * dim_, others_.data(), dim_)) {
+      if (detail::row_less(rows + middle * dim(), others_.data(), dim())) {
         low = middle + 1;
       } else {
         high = middle + 1;
       }
     }
     for (; low < high; ++low) {
-      if (detail::row_equal(rows + low * dim_, others_.data(), dim_)) {
+      if (detail::row_equal(rows + low * dim(), others_.data(), dim())) {
         return true;
       }
     }
@@ -75,10 +87,12 @@ StarSimplices count_votes(const LocalRegions& regions, const Execution& executio
   const auto n = static_cast<Offset>(regions.star_offsets.size()) - 1;
   std::vector<StarSimplices> blocks((n + kBlock - 1) / kBlock);
   detail::for_each_block_uncounted(n, kBlock, execution, [&](Offset begin, Offset end) {
-    VoteCounter counter(regions);
-    for (Offset x = begin; x < end; ++x) {
-      counter.count(static_cast<Index>(x), blocks[begin / kBlock]);
-    }
+    detail::dispatch_dim(regions.dim, [&](auto k) {
+      VoteCounter<decltype(k)::value> counter(regions);
+      for (Offset x = begin; x < end; ++x) {
+        counter.count(static_cast<Index>(x), blocks[begin / kBlock]);
+      }
+    });
   });
   StarSimplices result;
   result.simplices.arity = regions.dim + 1;

@@ -11,14 +11,29 @@
 #include <tbb/global_control.h>
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
 #include <tbb/partitioner.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <chrono>
 #include <optional>
+#include <vector>
 
 namespace remanifold::detail {
+
+/// Runs with as many threads as the execution allows.
+template <class Function>
+void with_threads(const Execution& execution, const Function& function) {
+  constexpr int most_threads = 256;
+  const int threads = std::min(execution.num_threads, most_threads);
+  std::optional<tbb::global_control> more_than_cores;
+  if (threads > tbb::info::default_concurrency()) {
+    more_than_cores.emplace(tbb::global_control::max_allowed_parallelism, threads);
+  }
+  tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
+  arena.execute(function);
+}
 
 /// body(begin, end) on consecutive blocks that cover [0, count), beside the progress.
 template <class Body>
@@ -36,14 +51,7 @@ void for_each_block_uncounted(Offset count, Offset block, const Execution& execu
     }
     return;
   }
-  constexpr int most_threads = 256;
-  const int threads = std::min(execution.num_threads, most_threads);
-  std::optional<tbb::global_control> more_than_cores;
-  if (threads > tbb::info::default_concurrency()) {
-    more_than_cores.emplace(tbb::global_control::max_allowed_parallelism, threads);
-  }
-  tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
-  arena.execute([&] {
+  with_threads(execution, [&] {
     tbb::parallel_for(
         tbb::blocked_range<Offset>(0, num_blocks, 1),
         [&](const tbb::blocked_range<Offset>& range) {
@@ -65,6 +73,17 @@ void for_each_block(Offset count, Offset block, const Execution& execution,
       execution.progress->done.fetch_add(end - begin, std::memory_order_relaxed);
     }
   });
+}
+
+/// Sorts by an order that leaves no two values equal.
+template <class T, class Less>
+void sort_all(std::vector<T>& values, const Execution& execution, const Less& less) {
+  if (execution.num_threads == 1) {
+    std::sort(values.begin(), values.end(), less);
+  } else {
+    with_threads(execution,
+                 [&] { tbb::parallel_sort(values.begin(), values.end(), less); });
+  }
 }
 
 /// A scratch object for each thread, made on first use.
