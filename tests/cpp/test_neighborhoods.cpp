@@ -59,6 +59,18 @@ TEST_P(ExactSearch, TiesOfGrids) {
   expect_exact(testing::grid(3, 4), GetParam(), 70);
 }
 
+TEST_P(ExactSearch, SurfacesUnevenlySampled) {
+  expect_exact(testing::sphere(1500, 2, 10), GetParam(), 20);
+  // Densities a million to one, and samples in between that have their neighbors in both.
+  Cloud cloud = testing::gaussian(900, 3, 11);
+  for (Offset i = 0; i < 600; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      cloud.points[i * 3 + j] *= i < 300 ? 1e-3 : 1e-2;
+    }
+  }
+  expect_exact(cloud, GetParam(), 16);
+}
+
 TEST_P(ExactSearch, FarFromTheOrigin) {
   Cloud cloud = testing::gaussian(300, 3, 6);
   for (double& x : cloud.points) {
