@@ -332,8 +332,11 @@ Neighborhoods find_neighborhoods(const Samples& samples, const NeighborSearch& s
   }
   Neighborhoods result;
   result.count = std::min<Index>(count, samples.size() - 1);
-  result.indices.resize(static_cast<std::size_t>(samples.size()) * result.count);
   detail::begin_step(execution, Step::kNeighborhoods, samples.size());
+  if (search.implementation().find_all(result.count, execution, result)) {
+    return result;
+  }
+  result.indices.resize(static_cast<std::size_t>(samples.size()) * result.count);
 
   struct Scratch {
     std::unique_ptr<NeighborSearch::Query> query;

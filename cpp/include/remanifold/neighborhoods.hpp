@@ -74,6 +74,7 @@ class NeighborSearch {
   Index block_size() const;
 
   class Implementation;
+  const Implementation& implementation() const { return *implementation_; }
 
  private:
   SearchMethod method_;
@@ -84,6 +85,8 @@ class NeighborSearch {
 struct Neighborhoods {
   Index count = 0;
   std::vector<Index> indices;  ///< size() x count
+  /// size() x count, where the search found all at once: brute force on points.
+  std::vector<double> squared_distances;
 
   const Index* of(Index i) const {
     return indices.data() + static_cast<std::size_t>(i) * count;

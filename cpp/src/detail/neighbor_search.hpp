@@ -14,6 +14,12 @@ class NeighborSearch::Implementation {
   virtual ~Implementation() = default;
   virtual std::unique_ptr<Query> query(const Execution& execution) const = 0;
   virtual Index block_size() const = 0;
+  /// The `count` nearest others of all samples at once, where that is faster.
+  /// \returns false where it is not
+  virtual bool find_all(Index /*count*/, const Execution& /*execution*/,
+                        Neighborhoods& /*result*/) const {
+    return false;
+  }
 };
 
 namespace detail {
