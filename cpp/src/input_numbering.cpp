@@ -34,15 +34,32 @@ TangentSpaces to_input(const Samples& samples, const TangentSpaces& tangents,
       static_cast<std::size_t>(tangents.dim) * samples.ambient_dim();
   TangentSpaces result;
   result.dim = tangents.dim;
-  result.bases.resize(n * size);
+  result.bases.resize(tangents.bases.empty() ? 0 : n * size);
+  const auto count = static_cast<std::size_t>(tangents.num_coefficients);
+  const std::size_t num_values = tangents.dim * count;
+  if (!tangents.neighbors.empty()) {
+    result.num_coefficients = tangents.num_coefficients;
+    result.coefficients.resize(n * num_values);
+    result.neighbors.resize(n * count);
+  }
   result.simplices.resize(n * arity);
   result.boundary.resize(n);
   detail::for_each_block_uncounted(
       static_cast<Offset>(n), kBlock, execution, [&](Offset begin, Offset end) {
         for (Offset i = begin; i < end; ++i) {
           const auto c = static_cast<std::size_t>(canonical[i]);
-          std::copy_n(tangents.bases.data() + c * size, size,
-                      result.bases.data() + i * size);
+          if (!tangents.bases.empty()) {
+            std::copy_n(tangents.bases.data() + c * size, size,
+                        result.bases.data() + i * size);
+          }
+          if (!tangents.neighbors.empty()) {
+            std::copy_n(tangents.coefficients.data() + c * num_values, num_values,
+                        result.coefficients.data() + i * num_values);
+            for (std::size_t k = 0; k < count; ++k) {
+              result.neighbors[i * count + k] =
+                  samples.input_index(tangents.neighbors[c * count + k]);
+            }
+          }
           for (std::size_t k = 0; k < arity; ++k) {
             const Index vertex = tangents.simplices[c * arity + k];
             result.simplices[i * arity + k] =

@@ -4,8 +4,10 @@
 #include "detail/convex_hull.hpp"
 #include "detail/convex_hull_2.hpp"
 #include "detail/dispatch.hpp"
+#include "detail/known_distances.hpp"
 #include "detail/parallel.hpp"
 #include "detail/simplex_rows.hpp"
+#include "detail/tangent_frames.hpp"
 #include "detail/tolerance.hpp"
 
 #include <Eigen/Core>
@@ -75,6 +77,7 @@ class RegionKernel {
         weights_(weights),
         execution_(execution),
         dim_(K == Eigen::Dynamic ? tangents.dim : K),
+        distances_(samples, neighborhoods),
         query_(search.query(execution)),
         hull_(K == 2 ? nullptr : detail::make_convex_hull(dim_)),
         first_batch_(4 * dim_),
@@ -326,6 +329,9 @@ class RegionKernel {
       }
       return samples_.squared_distance(x_, q);
     }
+    if (tangents_.bases.empty()) {
+      return measure_by_distances(q, coordinates);
+    }
     const int ambient_dim = samples_.ambient_dim();
     const double* px = samples_.point(x_);
     const double* pq = samples_.point(q);
@@ -352,6 +358,46 @@ class RegionKernel {
       for (int k = 0; k < dim(); ++k) {
         coordinates[k] = Map(basis + k * ambient_dim, ambient_dim).dot(difference_);
       }
+    }
+    return samples_.squared_distance(x_, q);
+  }
+
+  template <class Column>
+  double measure_by_distances(Index q, Column&& coordinates) {
+    const Index count = tangents_.num_coefficients;
+    const Index* neighbors = neighborhoods_.of(x_);
+    const double* coefficients = tangents_.coefficients.data() +
+                                 static_cast<std::size_t>(x_) * dim() * count;
+    if (const double* to_q = distances_.find(x_, q)) {
+      coordinates.setZero();
+      for (Index a = 0; a < count; ++a) {
+        const auto own = [&](int k) { return coefficients[k * count + a]; };
+        bool needed = false;
+        for (int k = 0; k < dim(); ++k) {
+          needed = needed || own(k) != 0;
+        }
+        if (needed) {
+          const double to_a = *distances_.find(x_, neighbors[a]);
+          const double product = (to_a + *to_q - distances_(neighbors[a], q)) / 2;
+          for (int k = 0; k < dim(); ++k) {
+            coordinates[k] += own(k) * product;
+          }
+        }
+      }
+      return *to_q;
+    }
+    // So far away that all samples are looked at: a basis in R^D is cheaper.
+    if (frame_of_ != x_) {
+      frame_of_ = x_;
+      frame_.resize(dim(), samples_.ambient_dim());
+      detail::write_frame([&](Index i) { return samples_.point(i); }, 1.0, x_,
+                          neighbors, count, coefficients, frame_);
+    }
+    using Map = Eigen::Map<const Eigen::VectorXd>;
+    difference_ = Map(samples_.point(q), samples_.ambient_dim()) -
+                  Map(samples_.point(x_), samples_.ambient_dim());
+    for (int k = 0; k < dim(); ++k) {
+      coordinates[k] = frame_.row(k).dot(difference_);
     }
     return samples_.squared_distance(x_, q);
   }
@@ -598,7 +644,7 @@ class RegionKernel {
   /// Adds samples nearer to the corner than x until one is new or none is left.
   bool cut_corner(const Corner& corner) {
     const int ambient_dim = samples_.ambient_dim();
-    if (!samples_.has_points()) {
+    if (tangents_.bases.empty()) {
       return false;
     }
     using Frame =
@@ -677,6 +723,7 @@ class RegionKernel {
   const std::vector<double>& weights_;
   const Execution& execution_;
   int dim_;
+  detail::KnownDistances distances_;
   std::unique_ptr<NeighborSearch::Query> query_;
   std::unique_ptr<ConvexHull> hull_;     // K other than 2
   detail::HullPolygon polygon_;  // K = 2
@@ -699,6 +746,8 @@ class RegionKernel {
   double largest_weight_;
   Offset max_corner_count_;
   Eigen::VectorXd difference_;
+  Index frame_of_ = -1;
+  detail::RowMatrix frame_;  // of that sample, where tangent spaces have coefficients
   Eigen::VectorXd position_;
 
   double end_;                        // where regions without end are cut off
@@ -800,7 +849,8 @@ std::vector<double> tie_weights(const Samples& samples,
   }
   for (Index i = 0; i < samples.size(); ++i) {
     weights[i] = detail::kTieWeight *
-                 samples.squared_distance(i, neighborhoods.of(i)[0]) *
+                 detail::KnownDistances(samples, neighborhoods)
+                     .nearest(i) *
                  hash_to_unit(static_cast<std::uint64_t>(samples.input_index(i)));
   }
   return weights;

@@ -134,6 +134,14 @@ std::vector<std::int8_t> orient(const Samples& samples, const SimplexArray& simp
   return signs;
 }
 
+/// Tangent spaces in the form they were found in.
+void write_tangents(const Samples& samples, TangentSpaces mapped,
+                    std::vector<double>& bases, TangentFrames& frames) {
+  bases = std::move(mapped.bases);
+  frames = {mapped.num_coefficients, std::move(mapped.coefficients),
+            std::move(mapped.neighbors), samples.scale()};
+}
+
 }  // namespace
 
 Reconstruction reconstruct(const Samples& samples, const ReconstructOptions& options,
@@ -159,9 +167,9 @@ Reconstruction reconstruct(const Samples& samples, const ReconstructOptions& opt
 
   result.seconds.complex = watch.lap();
   TangentSpaces mapped = to_input(samples, steps.tangents, execution);
-  result.tangents = std::move(mapped.bases);
   result.tangent_simplices = std::move(mapped.simplices);
   result.boundary = std::move(mapped.boundary);
+  write_tangents(samples, std::move(mapped), result.tangents, result.frames);
   for (const Index i : samples.canonical_indices()) {
     result.unbounded.push_back(
         regions.squared_radii[i] == std::numeric_limits<double>::infinity() ? 1 : 0);
@@ -227,7 +235,8 @@ ManifoldReconstruction reconstruct_manifold(const Samples& samples,
     result.boundary[v] = 1;
   }
   result.seconds.complex = watch.lap();
-  result.tangents = to_input(samples, steps.tangents, execution).bases;
+  write_tangents(samples, to_input(samples, steps.tangents, execution), result.tangents,
+                 result.frames);
   const double written = watch.lap();
   result.seconds.coordinates += written;
   result.seconds.neighborhoods += written;

@@ -35,6 +35,7 @@ class TangentKernel {
         count_(count),
         options_(options),
         execution_(execution),
+        distances_(samples, neighborhoods),
         search_(options.dim),
         fit_(options.dim) {}
 
@@ -49,14 +50,19 @@ class TangentKernel {
     {
       const detail::Timed timed(coordinate_seconds_);
       for (Index x = begin; x < end; ++x) {
-        group_[x - begin].coordinates.load(samples_, x, neighborhoods_.of(x), count_);
+        LocalCoordinates& coordinates = group_[x - begin].coordinates;
+        if (distances_.pay() && samples_.ambient_dim() > count_) {
+          coordinates.load(distances_, x, neighborhoods_.of(x), count_);
+        } else {
+          coordinates.load(samples_, x, neighborhoods_.of(x), count_);
+        }
       }
     }
     for (Index x = begin; x < end; ++x) {
       Local& local = group_[x - begin];
       local.found = count_ > 0 && (options_.estimator == Estimator::kEnclosure
                                        ? find_enclosing(x, local, result)
-                                       : find_fitted(local));
+                                       : find_fitted(local, result));
     }
     const detail::Timed timed(coordinate_seconds_);
     for (Index x = begin; x < end; ++x) {
@@ -124,7 +130,7 @@ class TangentKernel {
     return true;
   }
 
-  bool find_fitted(Local& local) {
+  bool find_fitted(Local& local, const TangentSpaces& result) {
     const RowMatrix& vectors = local.coordinates.vectors();
     fit_.resize(count_, vectors.cols());
     for (Index i = 0; i < count_; ++i) {
@@ -140,7 +146,7 @@ class TangentKernel {
       return true;
     }
     local.coefficients = local.coordinates.to_coefficients(local.basis);
-    return samples_.has_points() ||
+    return !result.bases.empty() ||
            detail::orthonormalize(local.coefficients, local.coordinates.gram());
   }
 
@@ -159,7 +165,7 @@ class TangentKernel {
   }
 
   void write(Index x, Local& local, TangentSpaces& result) {
-    if (samples_.has_points()) {
+    if (!result.bases.empty()) {
       if (local.found && options_.estimator == Estimator::kEnclosure) {
         span_simplex(simplex_of(x, result), local.basis);
         local.found = detail::orthonormalize(local.basis);
@@ -172,6 +178,10 @@ class TangentKernel {
       std::copy_n(local.coefficients.data(), local.coefficients.size(),
                   result.coefficients.data() +
                       static_cast<std::size_t>(x) * options_.dim * count_);
+    }
+    if (!result.neighbors.empty()) {
+      std::copy_n(neighborhoods_.of(x), count_,
+                  result.neighbors.data() + static_cast<std::size_t>(x) * count_);
     }
     result.boundary[x] = local.found ? 0 : 1;
     if (!local.found) {
@@ -196,6 +206,7 @@ class TangentKernel {
   Index count_;
   const TangentOptions& options_;
   const Execution& execution_;
+  detail::KnownDistances distances_;
   std::vector<Local> group_;
   detail::EnclosingSimplex<K> search_;
   detail::FrameFit<K, D> fit_;
@@ -237,12 +248,19 @@ TangentSpaces compute_tangent_spaces(const Samples& samples,
   result.dim = options.dim;
   result.simplices.assign(n * (dim + 1), -1);
   result.boundary.resize(n);
-  if (samples.has_points()) {
+  // The Gram matrix has lost half of the digits of a thin simplex: what encloses needs
+  // coordinates.
+  const bool by_distances = detail::KnownDistances(samples, neighborhoods).pay() &&
+                            samples.ambient_dim() > count &&
+                            options.estimator != Estimator::kEnclosure;
+  if (samples.has_points() && !by_distances) {
     const detail::Timed timed(result.coordinate_seconds);
     result.bases.resize(n * dim * samples.ambient_dim());
   } else {
     result.num_coefficients = count;
-    result.coefficients.resize(n * dim * count);
+    result.coefficients.assign(n * dim * count,
+                               std::numeric_limits<double>::quiet_NaN());
+    result.neighbors.resize(by_distances ? n * count : 0);
   }
   detail::begin_step(execution, Step::kTangentSpaces, samples.size());
   const auto run = [&](auto k, auto d) {

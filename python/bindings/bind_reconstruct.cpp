@@ -15,6 +15,18 @@ py::dict timings(const StepSeconds& seconds) {
   return out;
 }
 
+/// The bases; or (coefficients, neighbors, scale), which tangent_bases() turns into them.
+py::object tangents_of(std::vector<double>&& bases, TangentFrames&& frames,
+                       py::ssize_t rows, py::ssize_t dim, py::ssize_t ambient_dim) {
+  const py::ssize_t count = frames.num_coefficients;
+  if (count == 0) {
+    return to_numpy(std::move(bases), {rows, dim, ambient_dim});
+  }
+  return py::make_tuple(to_numpy(std::move(frames.coefficients), {rows, dim, count}),
+                        to_numpy(std::move(frames.neighbors), {rows, count}),
+                        frames.scale);
+}
+
 py::dict reconstruct_paper(const std::string& kind, const InputArray<double>& matrix,
                            int dim, Index num_neighbors, const std::string& estimator,
                            const std::string& edges, const std::string& search,
@@ -39,8 +51,8 @@ py::dict reconstruct_paper(const std::string& kind, const InputArray<double>& ma
   out["star_simplices"] =
       to_numpy(std::move(result.stars.indices), {star_count, dim + 1});
   if (kind == "points") {
-    out["tangents"] =
-        to_numpy(std::move(result.tangents), {rows, dim, matrix.shape(1)});
+    out["tangents"] = tangents_of(std::move(result.tangents), std::move(result.frames),
+                                  rows, dim, matrix.shape(1));
   } else {
     out["tangents"] = py::none();
   }
@@ -112,8 +124,8 @@ py::dict reconstruct_with_chain(const std::string& kind,
   out["simplices"] = to_numpy(std::move(result.simplices));
   out["edges"] = to_numpy(std::move(result.edges));
   if (kind == "points") {
-    out["tangents"] =
-        to_numpy(std::move(result.tangents), {matrix.shape(0), dim, matrix.shape(1)});
+    out["tangents"] = tangents_of(std::move(result.tangents), std::move(result.frames),
+                                  matrix.shape(0), dim, matrix.shape(1));
   } else {
     out["tangents"] = py::none();
   }

@@ -65,8 +65,14 @@ py::tuple tangent_spaces(const std::string& kind, const InputArray<double>& matr
     const NeighborSearch index(samples, options, execution);
     const Neighborhoods found =
         find_neighborhoods(samples, index, num_neighbors, execution);
-    return to_input(samples,
-                    compute_tangent_spaces(samples, found, tangent, execution));
+    TangentSpaces out = to_input(
+        samples, compute_tangent_spaces(samples, found, tangent, execution));
+    if (!out.neighbors.empty()) {
+      out.bases = tangent_bases(input, dim, out.coefficients.data(),
+                                out.neighbors.data(), out.num_coefficients,
+                                samples.scale(), execution);
+    }
+    return out;
   });
   const py::ssize_t rows = matrix.shape(0);
   py::object bases = py::none();
@@ -75,6 +81,23 @@ py::tuple tangent_spaces(const std::string& kind, const InputArray<double>& matr
   }
   return py::make_tuple(bases, to_numpy(std::move(result.simplices), {rows, dim + 1}),
                         to_bool_array(std::move(result.boundary)));
+}
+
+py::array bases_of(const InputArray<double>& points,
+                   const InputArray<double>& coefficients,
+                   const InputArray<Index>& neighbors, double scale, int num_threads,
+                   const py::object& progress) {
+  const MatrixView input = view(points);
+  const auto dim = static_cast<int>(coefficients.shape(1));
+  const auto count = static_cast<Index>(coefficients.shape(2));
+  const double* values = coefficients.data();
+  const Index* indices = neighbors.data();
+  return to_numpy(run(num_threads, progress,
+                      [&](const Execution& execution) {
+                        return tangent_bases(input, dim, values, indices, count, scale,
+                                             execution);
+                      }),
+                  {points.shape(0), dim, points.shape(1)});
 }
 
 py::tuple local_regions(const InputArray<double>& points,
@@ -145,6 +168,9 @@ void bind_steps(py::module_& module) {
              py::arg("matrix").noconvert(), py::arg("dim"), py::arg("num_neighbors"),
              py::arg("estimator"), py::arg("search"), py::arg("checks"),
              py::arg("num_threads"), py::arg("progress"));
+  module.def("tangent_bases", &bases_of, py::arg("points").noconvert(),
+             py::arg("coefficients").noconvert(), py::arg("neighbors").noconvert(),
+             py::arg("scale"), py::arg("num_threads"), py::arg("progress"));
   module.def("local_regions", &local_regions, py::arg("points").noconvert(),
              py::arg("bases").noconvert(), py::arg("boundary").noconvert(),
              py::arg("search"), py::arg("checks"), py::arg("num_threads"),

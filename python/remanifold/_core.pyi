@@ -43,6 +43,14 @@ def tangent_spaces(
     num_threads: int,
     progress: _Progress,
 ) -> tuple[NDArray[np.float64] | None, NDArray[np.int32], NDArray[np.bool_]]: ...
+def tangent_bases(
+    points: NDArray[np.float64],
+    coefficients: NDArray[np.float64],
+    neighbors: NDArray[np.int32],
+    scale: float,
+    num_threads: int,
+    progress: _Progress,
+) -> NDArray[np.float64]: ...
 def local_regions(
     points: NDArray[np.float64],
     bases: NDArray[np.float64],

@@ -344,6 +344,11 @@ def _real_matrix(
 
 def _check_finite(raw: NDArray[Any], array: NDArray[np.float64], name: str) -> None:
     """Refuse what is not finite as given or in double precision."""
+    if raw.dtype == array.dtype:
+        # Nothing that is not finite leaves a sum finite, and a sum takes no memory.
+        with np.errstate(over="ignore", invalid="ignore"):
+            if np.isfinite(array.sum()):
+                return
     finite = np.isfinite(array)
     if raw.dtype.kind == "c":  # two columns a number, or the real parts only
         finite = finite.reshape(*raw.shape, -1).all(axis=2) & np.isfinite(raw)

@@ -155,7 +155,8 @@ class Reconstruction(ReadOnlyArrays):
     boundary : ndarray, shape (N,), bool
         Samples on an open face (paper: samples without a tangent basis, BD).
     tangents : ndarray, shape (N, K, D), float64, or None
-        Orthonormal bases of the tangent spaces, NaN on the boundary.
+        Orthonormal bases of the tangent spaces, NaN on the boundary. With many
+        coordinates they are written out on first use, from `vertices`.
     representatives : ndarray, shape (N,), int32
         Lowest index of the samples that coincide with each sample.
     dim, ambient_dim : int
@@ -185,7 +186,6 @@ class Reconstruction(ReadOnlyArrays):
     simplices: NDArray[np.int32]
     edges: NDArray[np.int32]
     boundary: NDArray[np.bool_]
-    tangents: NDArray[np.float64] | None
     representatives: NDArray[np.int32]
     dim: int
     ambient_dim: int | None
@@ -201,6 +201,7 @@ class Reconstruction(ReadOnlyArrays):
     unbounded: NDArray[np.bool_] | None = None
     edge_rule: str | None = None
     _report: dict[str, Any] = field(default_factory=dict)
+    _frames: tuple[NDArray[np.float64], NDArray[np.int32], float] | None = None
 
     def __repr__(self) -> str:
         ambient = (
@@ -215,6 +216,15 @@ class Reconstruction(ReadOnlyArrays):
     def num_samples(self) -> int:
         """N, copies included."""
         return len(self.boundary)
+
+    @functools.cached_property
+    def tangents(self) -> NDArray[np.float64] | None:
+        """Bases of the tangent spaces, see above."""
+        if self.vertices is None or self._frames is None:
+            return None
+        bases = _core.tangent_bases(self.vertices, *self._frames, 0, None)
+        bases.flags.writeable = False
+        return bases
 
     def topology(self, component: int | None = None) -> Topology:
         """Topology of the complex, computed once, or of one of its components.
@@ -436,12 +446,13 @@ def reconstruct(
             "unbounded": result["unbounded"],
             "edge_rule": edges,
         }
-    return Reconstruction(
+    tangents = result["tangents"]
+    frames = tangents if isinstance(tangents, tuple) else None
+    rec = Reconstruction(
         vertices=vertices,
         simplices=result["simplices"],
         edges=result["edges"],
         boundary=result["boundary"],
-        tangents=result["tangents"],
         representatives=result["representatives"],
         dim=k,
         ambient_dim=None if vertices is None else vertices.shape[1],
@@ -452,8 +463,13 @@ def reconstruct(
         recall=result["recall"],
         timings=result["timings"],
         _report=report,
+        _frames=frames,
         **paper,
     )
+    if isinstance(tangents, np.ndarray):
+        tangents.flags.writeable = False
+        vars(rec)["tangents"] = tangents
+    return rec
 
 
 def _finish_report(

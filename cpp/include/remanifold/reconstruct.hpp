@@ -33,13 +33,23 @@ struct StepSeconds {
   double complex = 0;
 };
 
+/// Tangent spaces in many coordinates: K x m numbers a sample instead of K x D, for
+/// tangent_bases(). In the caller's numbering.
+struct TangentFrames {
+  Index num_coefficients = 0;        ///< m; 0 where bases were written out
+  std::vector<double> coefficients;  ///< N x K x m, NaN where there is none
+  std::vector<Index> neighbors;      ///< N x m
+  double scale = 1;
+};
+
 struct Reconstruction {
   int dim = 0;
   SimplexArray simplices;  ///< K-simplices, columns ascending, rows sorted
   SimplexArray edges;
   Csr edge_sets;
   Csr stars;  ///< per sample, K + 1 vertices a simplex: the sample, then the others
-  std::vector<double> tangents;          ///< N x K x D, NaN where there is none
+  std::vector<double> tangents;  ///< N x K x D, NaN where there is none; or frames
+  TangentFrames frames;
   std::vector<Index> tangent_simplices;  ///< N x (K+1)
   std::vector<std::uint8_t> boundary;    ///< N: the paper's BD
   std::vector<std::uint8_t> unbounded;   ///< N: LR(x) is unbounded
@@ -66,7 +76,8 @@ struct ManifoldReconstruction {
   SimplexArray simplices;
   SimplexArray edges;
   ManifoldReport report;
-  std::vector<double> tangents;        ///< N x K x D, NaN where there is none
+  std::vector<double> tangents;  ///< N x K x D, NaN where there is none; or frames
+  TangentFrames frames;
   std::vector<std::uint8_t> boundary;  ///< N: the sample lies on an open facet
   std::vector<Index> representatives;  ///< N
   SearchMethod search = SearchMethod::kAuto;

@@ -31,12 +31,14 @@ constexpr Index jet_neighbors(int dim) { return 3 * (dim + dim * (dim + 1) / 2);
 
 struct TangentSpaces {
   int dim = 0;
-  /// Points: size() x K x D, orthonormal rows. Empty where only products are known.
+  /// Points: size() x K x D, orthonormal rows. Empty where only products are known, or
+  /// where there are more coordinates than one wants to store.
   std::vector<double> bases;
-  /// Products only: size() x K x m, the basis vectors as combinations of the
-  /// differences between the first m neighbors and the sample.
+  /// Otherwise: size() x K x m, the basis vectors as combinations of the differences
+  /// between the first m neighbors and the sample; NaN where there is none.
   std::vector<double> coefficients;
-  Index num_coefficients = 0;  ///< m
+  Index num_coefficients = 0;    ///< m
+  std::vector<Index> neighbors;  ///< points: size() x m, these neighbors
   /// size() x (K+1): the tangent basis tuple, nearest first; -1 where there is none.
   std::vector<Index> simplices;
   std::vector<std::uint8_t> boundary;  ///< 1: no tangent basis
@@ -48,5 +50,11 @@ TangentSpaces compute_tangent_spaces(const Samples& samples,
                                      const Neighborhoods& neighborhoods,
                                      TangentOptions options,
                                      const Execution& execution = {});
+
+/// N x K x D: what TangentSpaces::coefficients stand for, in the numbering of the points.
+/// \param scale  of the samples
+std::vector<double> tangent_bases(MatrixView points, int dim, const double* coefficients,
+                                  const Index* neighbors, Index count, double scale,
+                                  const Execution& execution = {});
 
 }  // namespace remanifold

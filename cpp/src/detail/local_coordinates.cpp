@@ -40,6 +40,22 @@ void LocalCoordinates::load(const Samples& samples, Index x, const Index* neighb
   has_gram_ = true;
 }
 
+void LocalCoordinates::load(const KnownDistances& distances, Index x,
+                            const Index* neighbors, Index count) {
+  count_ = count;
+  direct_ = false;
+  has_vectors_ = false;
+  gram_.resize(count, count);
+  for (Index i = 0; i < count; ++i) {
+    gram_(i, i) = distances(x, neighbors[i]);
+    for (Index j = 0; j < i; ++j) {
+      gram_(i, j) = gram_(j, i) =
+          (gram_(i, i) + gram_(j, j) - distances(neighbors[i], neighbors[j])) / 2;
+    }
+  }
+  has_gram_ = true;
+}
+
 const RowMatrix& LocalCoordinates::gram() {
   if (!has_gram_) {
     gram_.resize(count_, count_);

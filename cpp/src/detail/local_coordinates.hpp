@@ -4,6 +4,7 @@
 // Cholesky decomposition of their m x m Gram matrix. What follows never sees D.
 #pragma once
 
+#include "detail/known_distances.hpp"
 #include "detail/tolerance.hpp"
 #include "remanifold/samples.hpp"
 
@@ -21,6 +22,10 @@ class LocalCoordinates {
  public:
   /// Reads the coordinates or products of the neighbors; the only part that costs D.
   void load(const Samples& samples, Index x, const Index* neighbors, Index count);
+  /// The same in many coordinates from distances that are known already; to_ambient() has
+  /// nothing to work on then.
+  void load(const KnownDistances& distances, Index x, const Index* neighbors,
+            Index count);
 
   Index count() const { return count_; }
   /// m x m products <a - x, b - x>
