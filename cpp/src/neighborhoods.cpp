@@ -252,6 +252,9 @@ constexpr Offset kTreeCost = 2;
 constexpr Index kProbes = 32;
 constexpr Index kProbeCount = 20;
 
+/// So few samples, in more coordinates than half their number, are compared with all.
+constexpr Index kNeverTree = 4096;
+
 /// Whether the tree looks at so many samples a query that comparing with all is faster:
 /// counted, so that the same input always makes the same choice.
 bool is_tree_slow(const Samples& samples, const Execution& execution) {
@@ -290,7 +293,10 @@ SearchMethod choose(const Samples& samples, SearchMethod method,
   if (method != SearchMethod::kAuto) {
     return method;
   }
-  return samples.ambient_dim() > kFewCoordinates && is_tree_slow(samples, execution)
+  const bool never = samples.size() <= kNeverTree &&
+                     samples.size() <= 2 * Offset{samples.ambient_dim()};
+  return samples.ambient_dim() > kFewCoordinates &&
+                 (never || is_tree_slow(samples, execution))
              ? SearchMethod::kBruteForce
              : SearchMethod::kKdTree;
 }

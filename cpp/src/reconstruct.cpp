@@ -211,8 +211,9 @@ ManifoldReconstruction reconstruct_manifold(const Samples& samples,
     manifold.boundary_samples = std::move(mask);
   }
   detail::begin_step(execution, Step::kComplex, 0);
-  ManifoldComplex complex = build_manifold(samples, steps.neighborhoods, steps.tangents,
-                                           steps.regions, manifold, solver, execution);
+  ManifoldComplex complex =
+      build_manifold(samples.knowing(steps.neighborhoods), steps.neighborhoods,
+                     steps.tangents, steps.regions, manifold, solver, execution);
   steps.regions = {};
   const std::vector<std::int8_t> signs = orient(samples, complex.simplices, execution);
   result.simplices = to_input(samples, complex.simplices, signs, execution);

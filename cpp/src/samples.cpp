@@ -2,6 +2,7 @@
 #include "remanifold/samples.hpp"
 
 #include "detail/distance.hpp"
+#include "detail/known_distances.hpp"
 #include "detail/parallel.hpp"
 #include "detail/tolerance.hpp"
 
@@ -31,17 +32,63 @@ void check_count(Offset rows, const char* what) {
   }
 }
 
-void check_finite(MatrixView matrix, const char* what, const Execution& execution) {
-  detail::for_each_block(matrix.rows, kBlock, execution, [&](Offset begin, Offset end) {
-    for (Offset i = begin; i < end; ++i) {
-      for (Offset j = 0; j < matrix.cols; ++j) {
-        if (!std::isfinite(matrix.row(i)[j])) {
-          throw std::invalid_argument(std::string(what) + "[" + std::to_string(i) +
-                                      ", " + std::to_string(j) + "] is not finite");
-        }
-      }
+/// Rows of a block that is worth a task, of as many coordinates as they may have.
+Offset block_of(Offset dim) {
+  constexpr Offset elements = 1 << 18;
+  return std::clamp<Offset>(elements / dim, 1, kBlock);
+}
+
+void check_row(MatrixView matrix, Offset i, const char* what) {
+  for (Offset j = 0; j < matrix.cols; ++j) {
+    if (!std::isfinite(matrix.row(i)[j])) {
+      throw std::invalid_argument(std::string(what) + "[" + std::to_string(i) + ", " +
+                                  std::to_string(j) + "] is not finite");
     }
-  });
+  }
+}
+
+void check_finite(MatrixView matrix, const char* what, const Execution& execution) {
+  detail::for_each_block(matrix.rows, block_of(matrix.cols), execution,
+                         [&](Offset begin, Offset end) {
+                           for (Offset i = begin; i < end; ++i) {
+                             check_row(matrix, i, what);
+                           }
+                         });
+}
+
+/// The least and the largest value of each column.
+struct Extents {
+  std::vector<double> low;
+  std::vector<double> high;
+
+  void add(const double* values, const double* other_values) {
+    double* const lows = low.data();
+    double* const highs = high.data();
+    const std::size_t size = low.size();
+    for (std::size_t j = 0; j < size; ++j) {
+      lows[j] = std::min(lows[j], values[j]);
+      highs[j] = std::max(highs[j], other_values[j]);
+    }
+  }
+};
+
+Extents check_and_measure(MatrixView points, const Execution& execution) {
+  const std::vector<double> first(points.row(0), points.row(0) + points.cols);
+  const Extents start{first, first};
+  detail::PerThread<Extents> of_thread(start);
+  detail::for_each_block(points.rows, block_of(points.cols), execution,
+                         [&](Offset begin, Offset end) {
+                           Extents& extents = of_thread.local();
+                           for (Offset i = begin; i < end; ++i) {
+                             check_row(points, i, "points");
+                             extents.add(points.row(i), points.row(i));
+                           }
+                         });
+  Extents all = start;
+  for (const Extents& extents : of_thread) {
+    all.add(extents.low.data(), extents.high.data());
+  }
+  return all;
 }
 
 /// The power of two p with extent / p in [0.5, 1); 1 for an extent of zero.
@@ -74,18 +121,11 @@ Samples Samples::from_points(MatrixView points, const Execution& execution) {
     throw std::invalid_argument("points has no coordinates: its second axis is empty");
   }
   detail::begin_step(execution, Step::kPrepare, 3 * points.rows);
-  check_finite(points, "points", execution);
-
   const Offset n = points.rows;
   const Offset dim = points.cols;
-  std::vector<double> low(points.row(0), points.row(0) + dim);
-  std::vector<double> high = low;
-  for (Offset i = 1; i < n; ++i) {
-    for (Offset j = 0; j < dim; ++j) {
-      low[j] = std::min(low[j], points.row(i)[j]);
-      high[j] = std::max(high[j], points.row(i)[j]);
-    }
-  }
+  const Extents extents = check_and_measure(points, execution);
+  const std::vector<double>& low = extents.low;
+  const std::vector<double>& high = extents.high;
   // Half the extent, since the extent itself may overflow.
   const auto half_extent = [&](Offset j) { return high[j] / 2 - low[j] / 2; };
   double largest = 0;
@@ -203,12 +243,20 @@ Samples Samples::from_points(MatrixView points, const Execution& execution) {
   samples.input_index_.shrink_to_fit();
   keys = {};
 
-  samples.points_.resize(static_cast<std::size_t>(samples.size()) * dim);
+  std::vector<double> factors(dim);
+  for (Offset j = 0; j < dim; ++j) {
+    factors[j] = low[j] == high[j] ? 0.0 : samples.inverse_scale_;
+  }
+  samples.points_.reset(new double[static_cast<std::size_t>(samples.size()) * dim],
+                        std::default_delete<double[]>());
   detail::for_each_block(
-      samples.size(), kBlock, execution, [&](Offset begin, Offset end) {
+      samples.size(), block_of(dim), execution, [&](Offset begin, Offset end) {
+        const double* const factor = factors.data();
         for (Offset i = begin; i < end; ++i) {
+          const double* const in = points.row(samples.input_index_[i]);
+          double* const out = samples.points_.get() + i * dim;
           for (Offset j = 0; j < dim; ++j) {
-            samples.points_[i * dim + j] = scaled(samples.input_index_[i], j);
+            out[j] = in[j] * factor[j];
           }
         }
       });
@@ -310,7 +358,18 @@ std::vector<Index> Samples::canonical_indices() const {
   return canonical;
 }
 
+Samples Samples::knowing(const Neighborhoods& neighborhoods) const {
+  Samples result = *this;
+  if (detail::KnownDistances(*this, neighborhoods).pay()) {
+    result.neighborhoods_ = &neighborhoods;
+  }
+  return result;
+}
+
 double Samples::squared_distance(Index a, Index b) const {
+  if (neighborhoods_ != nullptr) {
+    return detail::KnownDistances(*this, *neighborhoods_)(a, b);
+  }
   if (kind_ == Kind::kPoints) {
     return detail::squared_distance(point(a), point(b), ambient_dim_);
   }
@@ -329,7 +388,7 @@ double Samples::squared_distance(Index a, Index b) const {
 }
 
 double Samples::inner_product(Index x, Index a, Index b) const {
-  if (kind_ == Kind::kPoints) {
+  if (kind_ == Kind::kPoints && neighborhoods_ == nullptr) {
     const double* px = point(x);
     const double* pa = point(a);
     const double* pb = point(b);
@@ -339,7 +398,7 @@ double Samples::inner_product(Index x, Index a, Index b) const {
     }
     return sum;
   }
-  if (kind_ == Kind::kDistances) {
+  if (kind_ != Kind::kGram) {
     return (squared_distance(x, a) + squared_distance(x, b) - squared_distance(a, b)) /
            2;
   }

@@ -12,9 +12,12 @@
 #include "remanifold/execution.hpp"
 #include "remanifold/types.hpp"
 
+#include <memory>
 #include <vector>
 
 namespace remanifold {
+
+struct Neighborhoods;
 
 class Samples {
  public:
@@ -26,6 +29,11 @@ class Samples {
   static Samples from_gram(MatrixView gram, const Execution& execution = {});
   /// Symmetric matrix of distances with a zero diagonal; not copied.
   static Samples from_distances(MatrixView distances, const Execution& execution = {});
+
+  /// The same samples, the coordinates shared, which look up the distances and products
+  /// of those near each other instead of computing them. Points only.
+  /// \param neighborhoods  with squared distances; must outlive the result
+  Samples knowing(const Neighborhoods& neighborhoods) const;
 
   Index size() const { return static_cast<Index>(input_index_.size()); }
   Index input_size() const { return static_cast<Index>(representatives_.size()); }
@@ -45,7 +53,7 @@ class Samples {
 
   /// Scaled coordinates, size() x D; null where only products are known.
   const double* point(Index i) const {
-    return points_.data() + static_cast<std::size_t>(i) * ambient_dim_;
+    return points_.get() + static_cast<std::size_t>(i) * ambient_dim_;
   }
   double squared_distance(Index a, Index b) const;
   /// <a - x, b - x>
@@ -59,7 +67,8 @@ class Samples {
   int ambient_dim_ = 0;
   double scale_ = 1.0;
   double inverse_scale_ = 1.0;
-  std::vector<double> points_;
+  std::shared_ptr<double> points_;
+  const Neighborhoods* neighborhoods_ = nullptr;  // known, or null
   MatrixView matrix_;
   std::vector<Index> input_index_;
   std::vector<Index> representatives_;

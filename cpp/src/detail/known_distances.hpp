@@ -4,6 +4,7 @@
 // neighbors of a sample follow from these: <a-x, b-x> = (|a-x|^2 + |b-x|^2 - |a-b|^2) / 2.
 #pragma once
 
+#include "detail/distance.hpp"
 #include "remanifold/neighborhoods.hpp"
 #include "remanifold/samples.hpp"
 
@@ -49,7 +50,10 @@ class KnownDistances {
     }
     const double* known = find(a, b);
     known = known == nullptr ? find(b, a) : known;
-    return known == nullptr ? samples_->squared_distance(a, b) : *known;
+    return known != nullptr
+               ? *known
+               : squared_distance(samples_->point(a), samples_->point(b),
+                                  static_cast<std::size_t>(samples_->ambient_dim()));
   }
 
  private:

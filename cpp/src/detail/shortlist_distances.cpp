@@ -16,7 +16,7 @@ namespace {
 /// Samples whose pairs are measured together, and coordinates that are gathered at a time:
 /// rows of large D are powers of two apart more often than caches like.
 constexpr Offset kRows = 128;
-constexpr Offset kDepth = 128;
+constexpr Offset kDepth = 256;
 /// From here on a distance costs more than to find out that it is known.
 constexpr int kShareFrom = 256;
 
