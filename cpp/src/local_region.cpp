@@ -366,8 +366,8 @@ class RegionKernel {
   double measure_by_distances(Index q, Column&& coordinates) {
     const Index count = tangents_.num_coefficients;
     const Index* neighbors = neighborhoods_.of(x_);
-    const double* coefficients = tangents_.coefficients.data() +
-                                 static_cast<std::size_t>(x_) * dim() * count;
+    const double* coefficients =
+        tangents_.coefficients.data() + static_cast<std::size_t>(x_) * dim() * count;
     if (const double* to_q = distances_.find(x_, q)) {
       coordinates.setZero();
       for (Index a = 0; a < count; ++a) {
@@ -849,8 +849,7 @@ std::vector<double> tie_weights(const Samples& samples,
   }
   for (Index i = 0; i < samples.size(); ++i) {
     weights[i] = detail::kTieWeight *
-                 detail::KnownDistances(samples, neighborhoods)
-                     .nearest(i) *
+                 detail::KnownDistances(samples, neighborhoods).nearest(i) *
                  hash_to_unit(static_cast<std::uint64_t>(samples.input_index(i)));
   }
   return weights;

@@ -247,8 +247,8 @@ std::unique_ptr<NeighborSearch::Implementation> make_kd_tree(
 }
 
 /// A distance in the tree costs as much as this many in a matrix product (measured, with
-/// K from 1 to 4, D from 10 to 400 and N from 2,000 to 40,000).
-constexpr Offset kTreeCost = 2;
+/// K from 1 to 3, D from 20 to 1,000 and N from 1,000 to 10,000).
+Offset tree_cost(int dim) { return 2 + std::min(dim, 720) / 40; }
 constexpr Index kProbes = 32;
 constexpr Index kProbeCount = 20;
 
@@ -268,7 +268,8 @@ bool is_tree_slow(const Samples& samples, const Execution& execution) {
     query->nearest(static_cast<Index>(static_cast<Offset>(i) * samples.size() / probes),
                    kProbeCount, std::numeric_limits<double>::infinity(), found);
   }
-  return kTreeCost * calls > static_cast<Offset>(probes) * samples.size();
+  return tree_cost(samples.ambient_dim()) * calls >
+         static_cast<Offset>(probes) * samples.size();
 }
 
 std::unique_ptr<NeighborSearch::Implementation> make_approximate(const Samples& samples,

@@ -10,8 +10,9 @@
 
 namespace remanifold {
 
-std::vector<double> tangent_bases(MatrixView points, int dim, const double* coefficients,
-                                  const Index* neighbors, Index count, double scale,
+std::vector<double> tangent_bases(MatrixView points, int dim,
+                                  const double* coefficients, const Index* neighbors,
+                                  Index count, double scale,
                                   const Execution& execution) {
   const Offset ambient_dim = points.cols;
   const Offset size = dim * ambient_dim;

@@ -65,12 +65,12 @@ py::tuple tangent_spaces(const std::string& kind, const InputArray<double>& matr
     const NeighborSearch index(samples, options, execution);
     const Neighborhoods found =
         find_neighborhoods(samples, index, num_neighbors, execution);
-    TangentSpaces out = to_input(
-        samples, compute_tangent_spaces(samples, found, tangent, execution));
+    TangentSpaces out =
+        to_input(samples, compute_tangent_spaces(samples, found, tangent, execution));
     if (!out.neighbors.empty()) {
-      out.bases = tangent_bases(input, dim, out.coefficients.data(),
-                                out.neighbors.data(), out.num_coefficients,
-                                samples.scale(), execution);
+      out.bases =
+          tangent_bases(input, dim, out.coefficients.data(), out.neighbors.data(),
+                        out.num_coefficients, samples.scale(), execution);
     }
     return out;
   });

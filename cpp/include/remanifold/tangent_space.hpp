@@ -53,8 +53,9 @@ TangentSpaces compute_tangent_spaces(const Samples& samples,
 
 /// N x K x D: what TangentSpaces::coefficients stand for, in the numbering of the points.
 /// \param scale  of the samples
-std::vector<double> tangent_bases(MatrixView points, int dim, const double* coefficients,
-                                  const Index* neighbors, Index count, double scale,
+std::vector<double> tangent_bases(MatrixView points, int dim,
+                                  const double* coefficients, const Index* neighbors,
+                                  Index count, double scale,
                                   const Execution& execution = {});
 
 }  // namespace remanifold

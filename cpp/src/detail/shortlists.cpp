@@ -17,7 +17,10 @@ namespace {
 
 /// Rows and columns of a tile of products: what it reads at a time stays in cache.
 constexpr Offset kTile = 240;
-/// Products of a thread where not all are kept.
+/// All products are kept, so that each is computed once, where they take no more memory
+/// than the samples or than so many bytes.
+constexpr Offset kProductBytes = Offset{1} << 28;
+/// Products of a thread otherwise.
 constexpr Offset kBlockElements = Offset{1} << 23;
 /// Samples whose mean is taken for the center.
 constexpr Offset kCenterSamples = 64;
@@ -84,8 +87,8 @@ class Products {
     std::vector<std::vector<Index>> blocks;
     std::vector<Index> sizes(n_);
     const auto bytes = static_cast<Offset>(sizeof(T));
-    constexpr auto input_bytes = static_cast<Offset>(sizeof(double));
-    if (padded_ * padded_ * bytes <= n_ * dim_ * input_bytes) {
+    const Offset input_bytes = n_ * dim_ * static_cast<Offset>(sizeof(double));
+    if (padded_ * padded_ * bytes <= std::max(input_bytes, kProductBytes)) {
       const AlignedArray<T> all = multiply_all();
       blocks.resize((n_ + kTile - 1) / kTile);
       for_each_block(n_, kTile, execution_, [&](Offset begin, Offset end) {
