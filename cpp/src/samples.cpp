@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "remanifold/samples.hpp"
 
+#include "detail/aligned_array.hpp"
 #include "detail/distance.hpp"
 #include "detail/known_distances.hpp"
 #include "detail/parallel.hpp"
@@ -247,8 +248,8 @@ Samples Samples::from_points(MatrixView points, const Execution& execution) {
   for (Offset j = 0; j < dim; ++j) {
     factors[j] = low[j] == high[j] ? 0.0 : samples.inverse_scale_;
   }
-  samples.points_.reset(new double[static_cast<std::size_t>(samples.size()) * dim],
-                        std::default_delete<double[]>());
+  auto memory = std::make_shared<detail::AlignedArray<double>>(samples.size() * dim);
+  samples.points_ = {memory, memory->data()};
   detail::for_each_block(
       samples.size(), block_of(dim), execution, [&](Offset begin, Offset end) {
         const double* const factor = factors.data();

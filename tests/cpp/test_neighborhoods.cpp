@@ -101,6 +101,49 @@ INSTANTIATE_TEST_SUITE_P(Methods, ExactSearch,
                          ::testing::Values(SearchMethod::kKdTree,
                                            SearchMethod::kBruteForce));
 
+/// Neighbors and distances of every `step`-th sample, to the last bit.
+void expect_exact_distances(const Cloud& cloud, Index count, Index step) {
+  const Samples samples = Samples::from_points(cloud.view());
+  const NeighborSearch search(samples, {SearchMethod::kBruteForce});
+  const Neighborhoods found = find_neighborhoods(samples, search, count, {2, nullptr});
+  ASSERT_EQ(found.squared_distances.size(), found.indices.size());
+  for (Index x = 0; x < samples.size(); x += step) {
+    const std::vector<Index> expected = sorted_others(samples, x);
+    for (Index k = 0; k < found.count; ++k) {
+      ASSERT_EQ(found.of(x)[k], expected[k]) << "sample " << x << ", neighbor " << k;
+      ASSERT_EQ(found.squared_distances[Offset{x} * found.count + k],
+                samples.squared_distance(x, expected[k]));
+    }
+  }
+}
+
+TEST(Neighborhoods, DistancesOfBruteForce) {
+  for (const int dim : {3, 8, 255, 256, 259, 1030}) {
+    expect_exact_distances(testing::gaussian(261, dim, dim), 20, 1);
+  }
+  expect_exact_distances(testing::grid(6, 3), 30, 1);
+}
+
+TEST(Neighborhoods, MoreProductsThanAreKept) {
+  expect_exact_distances(testing::gaussian(8300, 9, 1), 20, 83);
+}
+
+// Two clusters so far apart that single precision sees one point in each, and copies that
+// no product tells apart.
+TEST(Neighborhoods, ProductsOfFewDigits) {
+  Cloud cloud = testing::gaussian(400, 200, 4);
+  for (Offset i = 0; i < cloud.size(); ++i) {
+    double* p = cloud.points.data() + i * cloud.dim;
+    if (i % 4 == 3) {
+      std::copy_n(p - cloud.dim, cloud.dim, p);
+    }
+    for (int j = 0; j < cloud.dim; ++j) {
+      p[j] = p[j] * (i % 4 == 3 ? 1 + 1e-9 : 1) + (i < 200 ? 0.0 : 1e5);
+    }
+  }
+  expect_exact_distances(cloud, 20, 1);
+}
+
 TEST(Neighborhoods, AnyPositionByTheKdTree) {
   const Cloud cloud = testing::gaussian(200, 3, 7);
   const Samples samples = Samples::from_points(cloud.view());

@@ -84,6 +84,27 @@ REMANIFOLD_INLINE void multiply(const T* a, Offset a_panels, const T* b,
 }
 
 template <class T>
+REMANIFOLD_INLINE void bound(const T* products, const double* norms, Offset count,
+                             double norm, double product_error, double square_error,
+                             double* lower) {
+  for (Offset q = 0; q < count; ++q) {
+    const double sum = norm + norms[q];
+    lower[q] = (0.5 * norms[q] - product_error * norm) * norms[q] -
+               static_cast<double>(products[q]) - square_error * sum * sum;
+  }
+}
+
+template <class T>
+using Bound = void (*)(const T*, const double*, Offset, double, double, double,
+                       double*);
+
+template <class T>
+void bound_plain(const T* products, const double* norms, Offset count, double norm,
+                 double product_error, double square_error, double* lower) {
+  bound(products, norms, count, norm, product_error, square_error, lower);
+}
+
+template <class T>
 using Multiply = void (*)(const T*, Offset, const T*, Offset, Offset, Offset, T*,
                           Offset);
 
@@ -107,7 +128,24 @@ REMANIFOLD_AVX512 void multiply_avx512(const T* a, Offset a_panels, const T* b,
                                        T* c, Offset columns) {
   multiply<T, 64, 8, 3>(a, a_panels, b, b_panels, stride, depth, c, columns);
 }
+
+template <class T>
+REMANIFOLD_AVX2 void bound_avx2(const T* products, const double* norms, Offset count,
+                                double norm, double product_error, double square_error,
+                                double* lower) {
+  bound(products, norms, count, norm, product_error, square_error, lower);
+}
 #endif
+
+template <class T>
+Bound<T> choose_bound() {
+#ifdef REMANIFOLD_X86
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) {
+    return bound_avx2<T>;
+  }
+#endif
+  return bound_plain<T>;
+}
 
 template <class T>
 Multiply<T> choose() {
@@ -134,6 +172,19 @@ void add_products(const double* a, Offset a_panels, const double* b, Offset b_pa
                   Offset stride, Offset depth, double* c, Offset columns) {
   static const Multiply<double> run = choose<double>();
   run(a, a_panels, b, b_panels, stride, depth, c, columns);
+}
+
+void lower_bounds(const float* products, const double* norms, Offset count, double norm,
+                  double product_error, double square_error, double* lower) {
+  static const Bound<float> run = choose_bound<float>();
+  run(products, norms, count, norm, product_error, square_error, lower);
+}
+
+void lower_bounds(const double* products, const double* norms, Offset count,
+                  double norm, double product_error, double square_error,
+                  double* lower) {
+  static const Bound<double> run = choose_bound<double>();
+  run(products, norms, count, norm, product_error, square_error, lower);
 }
 
 }  // namespace remanifold::detail

@@ -26,4 +26,13 @@ void add_products(const float* a, Offset a_panels, const float* b, Offset b_pane
 void add_products(const double* a, Offset a_panels, const double* b, Offset b_panels,
                   Offset stride, Offset depth, double* c, Offset columns);
 
+/// lower[q] = half the squared distance of two vectors, short of the part of the first,
+/// from their product and norms, less the given error of the product relative to both
+/// norms and of the square relative to their sum.
+void lower_bounds(const float* products, const double* norms, Offset count, double norm,
+                  double product_error, double square_error, double* lower);
+void lower_bounds(const double* products, const double* norms, Offset count,
+                  double norm, double product_error, double square_error,
+                  double* lower);
+
 }  // namespace remanifold::detail

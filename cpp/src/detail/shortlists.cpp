@@ -276,16 +276,11 @@ class Products {
     double lower[kGlance];
     for (Offset begin = 0; begin < n_; begin += kGlance) {
       const Offset size = std::min(kGlance, n_ - begin);
-      double least = std::numeric_limits<double>::infinity();
+      lower_bounds(products + begin, norms_.data() + begin, size, norms_[x],
+                   product_error_, coordinate_error_, lower);
       for (Offset i = 0; i < size; ++i) {
-        lower[i] = bound(x, begin + i, products).lower;
-        least = std::min(least, lower[i]);
-      }
-      if (least <= limit) {
-        for (Offset i = 0; i < size; ++i) {
-          if (lower[i] <= limit && begin + i != x) {
-            scratch.kept.push_back(bound(x, begin + i, products));
-          }
+        if (lower[i] <= limit + kTiny && begin + i != x) {
+          scratch.kept.push_back(bound(x, begin + i, products));
         }
       }
     }
@@ -335,7 +330,7 @@ class Products {
               [](const Bounds& a, const Bounds& b) { return a.sample < b.sample; });
   }
 
-  static constexpr Offset kGlance = 64;
+  static constexpr Offset kGlance = 256;
   static constexpr double kTiny = 1e-30;  // more than all that underflows
 
   const Samples& samples_;
