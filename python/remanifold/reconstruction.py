@@ -154,9 +154,6 @@ class Reconstruction(ReadOnlyArrays):
         sorted.
     boundary : ndarray, shape (N,), bool
         Samples on an open face (paper: samples without a tangent basis, BD).
-    tangents : ndarray, shape (N, K, D), float64, or None
-        Orthonormal bases of the tangent spaces, NaN on the boundary. With many
-        coordinates they are written out on first use, from `vertices`.
     representatives : ndarray, shape (N,), int32
         Lowest index of the samples that coincide with each sample.
     dim, ambient_dim : int
@@ -219,7 +216,11 @@ class Reconstruction(ReadOnlyArrays):
 
     @functools.cached_property
     def tangents(self) -> NDArray[np.float64] | None:
-        """Bases of the tangent spaces, see above."""
+        """Orthonormal bases of the tangent spaces, (N, K, D); NaN where there is none.
+
+        None where only products are known. With many coordinates they are written out,
+        from `vertices`, when first asked for.
+        """
         if self.vertices is None or self._frames is None:
             return None
         bases = _core.tangent_bases(self.vertices, *self._frames, 0, None)
