@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Install the Debian packages the build needs, if any is missing.
-# Usage: system-packages.sh PYTHON
+# Usage: system-packages.sh PYTHON [MORE PACKAGES...]
 set -euo pipefail
 
 python=${1:-python3}
@@ -44,6 +44,9 @@ if command -v dpkg-query >/dev/null; then
   # The wheel of pymeshlab, which the tests and the demo use, expects these two.
   need_package libgl1
   need_package libopengl0
+  for package in "${@:2}"; do
+    need_package "$package"
+  done
 fi
 
 [ ${#missing[@]} -gt 0 ] || exit 0

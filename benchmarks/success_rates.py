@@ -17,16 +17,13 @@ import contextlib
 import functools
 import json
 import math
-import multiprocessing
 import os
-import signal
 import statistics
 import time
 import warnings
-from collections import Counter, deque
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from multiprocessing import connection
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -36,16 +33,17 @@ from rich.console import Console
 from rich.table import Table
 
 import remanifold as rm
+from judge import judge
+from peers import PERTURBATION, tangential_complex, top_simplices
+from processes import Failure, run_all
 from remanifold import datasets
 from remanifold.reconstruction import METHODS
+from samples import add_normal_noise, spacing
 
-MAX_UNUSED = 0.01  # of the samples
 ENOUGH = 0.9  # of the seeds, for --smallest
 STEP = 1.25  # between the numbers of samples that --smallest tries
 MAX_GROWTH = 8  # of the number of samples of the table
 MIN_SAMPLES = 8
-PERTURBATION = 0.5  # of the median distance to the nearest neighbor
-MAX_SIMPLICES = 50_000  # whose homology is computed although the complex is wrong
 PEERS = ("gudhi", "gudhi perturbed")  # its tangential complex
 
 
@@ -145,10 +143,19 @@ def reconstruct(task: Task) -> Outcome:
     shape = datasets.SHAPES[task.row.shape]
     points = task.row.draw(task.num_samples, task.seed)
     if task.noise > 0:
-        points = add_normal_noise(points, task)
+        points = add_normal_noise(
+            points, shape.dim, task.noise, task.seed, task.row.draw
+        )
     start = time.perf_counter()
     if task.method in PEERS:
-        simplices = tangential_complex(points, shape.dim, task)
+        perturbation = 0.0
+        if task.method == PEERS[1]:
+            perturbation = PERTURBATION * spacing(points)
+        # Half of the time is for perturbing.
+        tree = tangential_complex(
+            points.tolist(), shape.dim, perturbation, task.time_limit / 2
+        )
+        simplices = top_simplices(tree, shape.dim)
         seconds = time.perf_counter() - start
         topology = rm.compute_topology(simplices, len(points), num_threads=1)
     else:
@@ -159,162 +166,6 @@ def reconstruct(task: Task) -> Outcome:
         seconds = time.perf_counter() - start
         simplices, topology = np.sort(rec.simplices, axis=1), rec.topology()
     return Outcome(tuple(judge(simplices, topology, len(points), shape)), seconds)
-
-
-def judge(
-    simplices: Any, topology: rm.Topology, num_samples: int, shape: datasets.Shape
-) -> Iterator[str]:
-    """Say what is wrong with a reconstruction."""
-    if len(simplices) == 0:
-        yield "no simplices"
-        return
-    wrong = False
-    if not topology.manifold:
-        wrong = True
-        yield f"wrong links: {len(topology.singular_vertices)}"
-    if topology.orientable != shape.orientable:
-        wrong = True
-        yield "orientable" if topology.orientable else "not orientable"
-    boundary = boundary_components(simplices, num_samples)
-    if boundary != shape.boundary_components:
-        wrong = True
-        yield f"boundary components: {boundary}, not {shape.boundary_components}"
-    elif topology.closed != shape.closed:
-        wrong = True
-        yield "closed" if topology.closed else "not closed"
-    if topology.components != shape.components:
-        wrong = True
-        yield f"components: {topology.components}, not {shape.components}"
-    unused = num_samples - topology.num_vertices
-    if unused > MAX_UNUSED * num_samples:
-        wrong = True
-        yield f"unused samples: {unused}"
-    cheap = topology.counting_settles_homology or len(simplices) <= MAX_SIMPLICES
-    if wrong and not cheap:
-        return
-    for field, found, true in (
-        ("Z2", topology.betti_numbers, shape.betti_numbers),
-        ("Z3", topology.betti_numbers_mod3, shape.betti_numbers_mod3),
-    ):
-        if found != true:
-            yield f"Betti numbers {_list(found)} over {field}, not {_list(true)}"
-
-
-def boundary_components(simplices: Any, num_samples: int) -> int:
-    """Connected sets of (K-1)-faces that are in one simplex only."""
-    arity = simplices.shape[1]
-    faces = np.vstack([np.delete(simplices, i, axis=1) for i in range(arity)])
-    faces, cofaces = np.unique(faces, axis=0, return_counts=True)
-    faces = np.ascontiguousarray(faces[cofaces == 1])
-    if arity == 2 or len(faces) == 0:
-        return len(faces)
-    return rm.compute_topology(faces, num_samples, num_threads=1).components
-
-
-def tangential_complex(points: Any, dim: int, task: Task) -> Any:
-    """The K-simplices of GUDHI's tangential complex."""
-    import gudhi
-
-    complex_ = gudhi.TangentialComplex(dim, points=points.tolist())
-    complex_.compute_tangential_complex()
-    if task.method == PEERS[1]:
-        # Half of the time for this; what is inconsistent then stays so.
-        limit = task.time_limit / 2
-        complex_.fix_inconsistencies_using_perturbation(
-            PERTURBATION * spacing(points), limit if math.isfinite(limit) else -1.0
-        )
-    tree = complex_.create_simplex_tree()
-    simplices = [s for s, _ in tree.get_skeleton(dim) if len(s) == dim + 1]
-    array = np.array(simplices, dtype=np.int32).reshape(-1, dim + 1)
-    return np.unique(np.sort(array, axis=1), axis=0)
-
-
-def spacing(points: Any) -> float:
-    return float(np.median(rm.neighborhoods(points, 1, num_threads=1).distances))
-
-
-def add_normal_noise(points: Any, task: Task) -> Any:
-    """Move points along the normals, which many more samples without noise show."""
-    dim = datasets.SHAPES[task.row.shape].dim
-    dense = task.row.draw(20 * len(points), task.seed + 1_000_000)
-    both = np.vstack([points, dense])
-    near = rm.neighborhoods(both, 10 * dim, num_threads=1).indices[: len(points)]
-    tangents = np.linalg.svd(both[near] - points[:, None], full_matrices=False)[2]
-    tangents = tangents[:, :dim]
-    rng = np.random.default_rng(task.seed)
-    noise = rng.normal(0.0, task.noise * spacing(points), points.shape)
-    along = np.einsum("nkd,nd->nk", tangents, noise)
-    return points + noise - np.einsum("nkd,nk->nd", tangents, along)
-
-
-# ------------------------------------------------------------- processes for runs
-
-
-def run_all(
-    work: Callable[[Any], Outcome],
-    tasks: Sequence[Any],
-    jobs: int,
-    time_limit: float,
-) -> Iterator[tuple[Any, Outcome]]:
-    """Outcomes in the order they come; work still under way at the end is killed."""
-    context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(["numpy", "remanifold", "rich.table", "typer"])
-    waiting = deque(tasks)
-    running: dict[Any, tuple[Any, Any, float]] = {}
-    try:
-        while waiting or running:
-            while waiting and len(running) < jobs:
-                receiver, sender = context.Pipe(duplex=False)
-                task = waiting.popleft()
-                process = context.Process(target=_report_to, args=(sender, work, task))
-                process.start()
-                sender.close()
-                running[receiver] = process, task, time.monotonic() + time_limit
-            first = min(deadline for *_, deadline in running.values())
-            left = max(0.0, first - time.monotonic())
-            connection.wait(list(running), None if math.isinf(left) else left)
-            for receiver in list(running):
-                process, task, deadline = running[receiver]
-                if receiver.poll():
-                    try:
-                        outcome = receiver.recv()
-                    except EOFError:
-                        process.join()
-                        end = _end(process.exitcode)
-                        outcome = Outcome((end,), ending="crash")
-                elif time.monotonic() >= deadline:
-                    process.kill()
-                    end = f"not done after {time_limit:g} s"
-                    outcome = Outcome((end,), ending="timeout")
-                else:
-                    continue
-                process.join()
-                receiver.close()
-                del running[receiver]
-                yield task, outcome
-    finally:
-        for process, *_ in running.values():
-            process.kill()
-            process.join()
-
-
-def _report_to(sender: Any, work: Callable[[Any], Outcome], task: Any) -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent kills
-    null = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(null, 1)  # GUDHI prints
-    os.dup2(null, 2)
-    try:
-        outcome = work(task)
-    except Exception as error:  # noqa: BLE001  whatever it is, it is a failure
-        outcome = Outcome((f"{type(error).__name__}: {error}",), ending="error")
-    sender.send(outcome)
-    sender.close()
-
-
-def _end(exit_code: int) -> str:
-    if exit_code < 0:
-        return f"crashed: {signal.Signals(-exit_code).name}"
-    return f"ended with exit code {exit_code}"
 
 
 # ------------------------------------------------------------------ the questions
@@ -356,7 +207,10 @@ class Settings:
         outcomes: dict[int, Outcome] = {}
         runs = run_all(reconstruct, tasks, self.jobs, self.time_limit)
         with contextlib.closing(runs):
-            for task, outcome in runs:
+            for task, result in runs:
+                outcome = result
+                if isinstance(result, Failure):
+                    outcome = Outcome((result.reason,), ending=result.ending)
                 outcomes[task.seed] = outcome
                 if outcome.reasons:
                     head = f"{row.name}, {method}, {num_samples}, seed {task.seed}"
@@ -618,10 +472,6 @@ def _markdown(lines: Sequence[list[tuple[str, str]]]) -> str:
     rows = [[head for head, _ in lines[0]], ["---"] + ["---:"] * (len(lines[0]) - 1)]
     rows += [[cell for _, cell in line] for line in lines]
     return "\n".join(f"| {' | '.join(row)} |" for row in rows)
-
-
-def _list(numbers: Sequence[int]) -> str:
-    return ", ".join(map(str, numbers))
 
 
 if __name__ == "__main__":
