@@ -11,9 +11,14 @@ SHELL := /bin/bash
 export CMAKE_BUILD_PARALLEL_LEVEL ?= $(JOBS)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
+# `make bench` calls again with values of its own for what stands here: its
+# packages are not for everybody.
 VENV := .venv
 BIN := $(VENV)/bin
 BUILD := build/python
+EXTRAS := plot test
+TESTS := ON
+MORE_PACKAGES :=
 ENVIRONMENT := $(VENV)/.environment
 LINTERS := $(VENV)/.linters
 PACKAGE := $(VENV)/.package
@@ -22,7 +27,7 @@ PACKAGE := $(VENV)/.package
 # compiled once.
 BUILD_SETTINGS := \
   --config-settings=build-dir=$(BUILD) \
-  --config-settings=cmake.define.REMANIFOLD_BUILD_TESTS=ON \
+  --config-settings=cmake.define.REMANIFOLD_BUILD_TESTS=$(TESTS) \
   --config-settings=cmake.define.REMANIFOLD_BUILD_BENCHMARKS=ON
 
 SOURCES := CMakeLists.txt README.md pyproject.toml $(shell find cpp python tests/cpp \
@@ -30,8 +35,8 @@ SOURCES := CMakeLists.txt README.md pyproject.toml $(shell find cpp python tests
   -not -path '*/__pycache__/*')
 
 .NOTPARALLEL:
-.PHONY: all demo test test-cpp test-python test-consumers bench wheel lint format \
-  system-packages clean distclean
+.PHONY: all demo test test-cpp test-python test-consumers bench bench-docs bench-steps \
+  side-by-side side-by-side-docs wheel lint format system-packages clean distclean
 
 all: $(PACKAGE)
 
@@ -49,8 +54,36 @@ test-consumers: $(PACKAGE)
 test-python: $(PACKAGE)
 	$(BIN)/python -m pytest
 
-# make bench ARGS="--shape sphere3 --samples 10000,20000"
-bench: $(PACKAGE)
+# Beside its peers. make bench ARGS="--shape torus --samples 10000,100000 --json FILE"
+bench:
+	+$(MAKE) $(BENCH) side-by-side
+
+# The tables and the plot of docs/benchmarks.md, in about an hour and a half.
+bench-docs:
+	+$(MAKE) $(BENCH) side-by-side-docs
+
+# Open3D wants the last three packages.
+BENCH := VENV=.venv-bench BUILD=build/bench EXTRAS="bench plot" TESTS=OFF \
+  MORE_PACKAGES="libegl1 libusb-1.0-0 libx11-6"
+RESULTS := build/bench/surfaces.json build/bench/others.json
+
+side-by-side: $(PACKAGE)
+	$(BIN)/python benchmarks/side_by_side.py \
+	  --driver $(BUILD)/benchmarks/remanifold_peers $(ARGS)
+
+side-by-side-docs: $(PACKAGE)
+	$(BIN)/python benchmarks/side_by_side.py --shape torus --shape sphere \
+	  --samples 10000,31623,100000,316228,1000000 --time-limit 180 \
+	  --driver $(BUILD)/benchmarks/remanifold_peers --json $(word 1,$(RESULTS)) $(ARGS)
+	$(BIN)/python benchmarks/side_by_side.py --shape circle --shape flat_torus_in_300 \
+	  --shape sphere_times_circle --shape flat_torus_3 --shape rotations \
+	  --shape sphere_4 --time-limit 180 \
+	  --driver $(BUILD)/benchmarks/remanifold_peers --json $(word 2,$(RESULTS)) $(ARGS)
+	$(BIN)/python benchmarks/report.py $(RESULTS) --into docs/benchmarks.md
+	$(BIN)/python benchmarks/plot_growth.py $(RESULTS) -o docs/figures/side_by_side.svg
+
+# The steps one by one. make bench-steps ARGS="--shape sphere3 --samples 10000,20000"
+bench-steps: $(PACKAGE)
 	$(BUILD)/benchmarks/remanifold_bench $(ARGS)
 
 wheel: $(ENVIRONMENT) | system-packages
@@ -65,13 +98,13 @@ format: $(LINTERS)
 	git ls-files -co --exclude-standard '*.cpp' '*.hpp' | xargs $(BIN)/clang-format -i
 
 system-packages:
-	@.ci/system-packages.sh $(PYTHON)
+	@.ci/system-packages.sh $(PYTHON) $(MORE_PACKAGES)
 
 $(BIN)/python: | system-packages
 	$(PYTHON) -m venv $(VENV)
 
 $(ENVIRONMENT): pyproject.toml .ci/requirements.py | $(BIN)/python
-	$(BIN)/python .ci/requirements.py build runtime plot test \
+	$(BIN)/python .ci/requirements.py build runtime $(EXTRAS) \
 	  | xargs -d '\n' $(BIN)/python -m pip install
 	touch $@
 
@@ -87,7 +120,7 @@ $(PACKAGE): $(ENVIRONMENT) $(SOURCES) | system-packages
 
 clean:
 	rm -rf build dist
-	rm -f $(PACKAGE)
+	rm -f .venv*/.package
 
 distclean: clean
-	rm -rf $(VENV)
+	rm -rf .venv .venv-bench
