@@ -47,6 +47,10 @@ DRIVERS = tuple(
     for name in ("bench", "python")
 )
 JUDGE_LIMIT = 600.0  # seconds; not part of the time limit of a run
+LONG = 20.0  # seconds in all, after which a peer is not measured once more
+SHARE = 0.9  # of a core; a run that got less was disturbed and is done again,
+TRIES = 3  # as often, if it is not longer than
+SHORT = 10.0  # seconds
 ORDERS = ("random", "morton")
 DISTRIBUTIONS = ("numpy", "scipy", "gudhi", "open3d", "pymeshlab")
 
@@ -59,13 +63,13 @@ SHAPES = {
 # What is measured unless the command line says otherwise.
 SAMPLES = {
     "torus": (10_000, 100_000),
-    "sphere": (10_000, 100_000),
+    "sphere": (10_000,),
     "circle": (100_000,),
     "flat_torus_in_300": (5_000,),
-    "sphere_times_circle": (2_000,),
-    "flat_torus_3": (5_000,),
-    "rotations": (10_000,),
-    "sphere_4": (2_000,),
+    "sphere_times_circle": (800,),
+    "flat_torus_3": (2_500,),
+    "rotations": (2_000,),
+    "sphere_4": (800,),
 }
 ELSE_SAMPLES = (10_000,)
 
@@ -164,6 +168,20 @@ class Bench:
     say: Any
 
     def run(self, name: str, file: Path, case: Case) -> Any:
+        """The run, of a few if need be, that had most of a core to itself."""
+        best: Any = None
+        share = -1.0
+        for _ in range(TRIES):
+            run = self.run_once(name, file, case)
+            if isinstance(run, Failure):
+                return run
+            if run["cpu_seconds"] / run["seconds"] > share:
+                best, share = run, run["cpu_seconds"] / run["seconds"]
+            if share >= SHARE or run["seconds"] > SHORT:
+                break
+        return best
+
+    def run_once(self, name: str, file: Path, case: Case) -> Any:
         """Seconds and bytes of one run, or a failure; the simplices are in a file."""
         options = Options(
             SHAPES[case.shape].dim,
@@ -210,7 +228,8 @@ class Bench:
             unit = math.nan
             for name in names:
                 record = records[name]
-                if record["ending"] != "done":
+                long = name != UNIT and sum(record["seconds"]) > LONG
+                if record["ending"] != "done" or long:
                     continue
                 self.say(f"{_title(case)}, {name}, {turn + 1} of {self.repeat}")
                 run = self.run(name, file, case)
@@ -396,13 +415,16 @@ def main(
     threads: Annotated[
         int, typer.Option(min=1, help="Threads of remanifold; its peers have one.")
     ] = 1,
-    repeat: Annotated[int, typer.Option(min=1, help="Rounds.")] = 3,
+    repeat: Annotated[
+        int,
+        typer.Option(min=1, help="Rounds; what has taken 20 s in all is left out."),
+    ] = 3,
     time_limit: Annotated[
         float,
         typer.Option(
             min=0, help="Seconds until a run is killed, and larger ones left out."
         ),
-    ] = 120.0,
+    ] = 60.0,
     driver: Annotated[
         Path | None,
         typer.Option(
