@@ -58,29 +58,31 @@ test-python: $(PACKAGE)
 bench:
 	+$(MAKE) $(BENCH) side-by-side
 
-# The tables and the plot of docs/benchmarks.md, in about an hour and a half.
+# The tables and the plot of docs/benchmarks.md, in about an hour.
 bench-docs:
 	+$(MAKE) $(BENCH) side-by-side-docs
 
 # Open3D wants the last three packages.
 BENCH := VENV=.venv-bench BUILD=build/bench EXTRAS="bench plot" TESTS=OFF \
   MORE_PACKAGES="libegl1 libusb-1.0-0 libx11-6"
-RESULTS := build/bench/surfaces.json build/bench/others.json
+MEASURE = $(BIN)/python benchmarks/side_by_side.py \
+  --driver $(BUILD)/benchmarks/remanifold_peers $(ARGS)
 
 side-by-side: $(PACKAGE)
-	$(BIN)/python benchmarks/side_by_side.py \
-	  --driver $(BUILD)/benchmarks/remanifold_peers $(ARGS)
+	$(MEASURE)
 
 side-by-side-docs: $(PACKAGE)
-	$(BIN)/python benchmarks/side_by_side.py --shape torus --shape sphere \
-	  --samples 10000,31623,100000,316228,1000000 --time-limit 180 \
-	  --driver $(BUILD)/benchmarks/remanifold_peers --json $(word 1,$(RESULTS)) $(ARGS)
-	$(BIN)/python benchmarks/side_by_side.py --shape circle --shape flat_torus_in_300 \
-	  --shape sphere_times_circle --shape flat_torus_3 --shape rotations \
-	  --shape sphere_4 --time-limit 180 \
-	  --driver $(BUILD)/benchmarks/remanifold_peers --json $(word 2,$(RESULTS)) $(ARGS)
-	$(BIN)/python benchmarks/report.py $(RESULTS) --into docs/benchmarks.md
-	$(BIN)/python benchmarks/plot_growth.py $(RESULTS) -o docs/figures/side_by_side.svg
+	$(MEASURE) --shape torus --samples 10000,30000,100000,300000,1000000 \
+	  --json $(BUILD)/torus.json
+	$(MEASURE) --shape sphere --samples 10000,100000,1000000 \
+	  --json $(BUILD)/sphere.json
+	$(MEASURE) --shape circle --shape flat_torus_in_300 --shape sphere_times_circle \
+	  --shape flat_torus_3 --shape rotations --shape sphere_4 \
+	  --json $(BUILD)/others.json
+	$(BIN)/python benchmarks/report.py $(BUILD)/{torus,sphere,others}.json \
+	  --into docs/benchmarks.md
+	$(BIN)/python benchmarks/plot_growth.py $(BUILD)/torus.json \
+	  -o docs/figures/side_by_side.svg
 
 # The steps one by one. make bench-steps ARGS="--shape sphere3 --samples 10000,20000"
 bench-steps: $(PACKAGE)
