@@ -110,6 +110,7 @@ def remanifold(points: Any, options: Options, method: str, watch: Stopwatch) -> 
 
     warnings.simplefilter("ignore", rm.RemanifoldWarning)
     threads = options.num_threads
+    rm.reconstruct(rm.datasets.circle(30), 1, method=method)  # loads what it imports
     with watch:
         rec = rm.reconstruct(points, options.dim, method=method, num_threads=threads)
     return rec.simplices

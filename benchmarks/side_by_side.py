@@ -283,7 +283,7 @@ def _enter(verdict: Any, record: dict[str, Any]) -> None:
         return
     if verdict.digest not in record["digests"]:
         record["digests"].append(verdict.digest)
-    if record["right"] is not False and (not record["reasons"] or verdict.reasons):
+    if not record["reasons"] or verdict.reasons:
         record["num_simplices"] = verdict.num_simplices
         record["reasons"] = list(verdict.reasons)
         record["right"] = not verdict.reasons
