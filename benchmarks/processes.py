@@ -85,7 +85,10 @@ def run_command(
     except subprocess.TimeoutExpired:
         return _timeout(time_limit)
     if done.returncode == 0:
-        return json.loads(done.stdout)
+        try:
+            return json.loads(done.stdout)
+        except ValueError:
+            return Failure("did not print JSON", "error")
     if done.returncode < 0:
         return Failure(_end(done.returncode), "crash")
     lines = done.stderr.split("\n")

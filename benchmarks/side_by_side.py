@@ -112,7 +112,6 @@ class Case:
             **asdict(self),
             "dim": shape.dim,
             "ambient_dim": shape.ambient_dim,
-            "num_samples": self.num_samples,
         }
 
 
