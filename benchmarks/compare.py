@@ -10,7 +10,6 @@ is 1 if anything got worse, 2 if there is nothing to compare.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,7 +20,7 @@ from rich.console import Console
 from rich.table import Table
 
 from peers import OWN, PEERS
-from report import median
+from report import CPU_HELP, load, median
 
 KEY = ("shape", "num_samples", "order", "noise", "seed")
 
@@ -109,16 +108,14 @@ def main(
     ignore_digests: Annotated[
         bool, typer.Option("--ignore-digests", help="Other simplices are no matter.")
     ] = False,
+    cpu: Annotated[bool, typer.Option("--cpu", help=CPU_HELP)] = False,
     peers: Annotated[
         bool, typer.Option("--peers", help="All peers, not only remanifold.")
     ] = False,
 ) -> None:
     """Compare two files of results; the exit code is 1 if anything got worse."""
     names = tuple(PEERS) if peers else OWN
-    before, after = (
-        records(json.loads(file.read_text(encoding="utf-8")), names)
-        for file in (old, new)
-    )
+    before, after = (records(load(file, cpu), names) for file in (old, new))
     rules = Rules(threshold, seconds, not ignore_digests)
     common = [key for key in before if key in after]
     if not common:

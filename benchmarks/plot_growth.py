@@ -6,7 +6,6 @@ python benchmarks/plot_growth.py RESULTS.json -o docs/figures/side_by_side.svg
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -14,7 +13,7 @@ import matplotlib as mpl
 import typer
 
 from peers import PEERS
-from report import median, title_of
+from report import CPU_HELP, load, median, title_of
 
 mpl.use("Agg")
 
@@ -93,9 +92,10 @@ def main(
     output: Annotated[Path, typer.Option("--output", "-o", dir_okay=False)],
     shape: Annotated[str, typer.Option(help="Which shape.")] = "torus",
     order: Annotated[str, typer.Option(metavar="[random|morton]")] = "random",
+    cpu: Annotated[bool, typer.Option("--cpu", help=CPU_HELP)] = False,
 ) -> None:
     """Draw how time grows with the number of samples, peer by peer."""
-    reports = [json.loads(file.read_text(encoding="utf-8")) for file in results]
+    reports = [load(file, cpu) for file in results]
     cases = [
         case
         for report in reports

@@ -7,6 +7,7 @@ import json
 import math
 import multiprocessing
 import os
+import resource
 import signal
 import subprocess
 import time
@@ -69,9 +70,17 @@ def run_all(
 
 
 def run_command(
-    command: Sequence[str], time_limit: float, environment: Mapping[str, str]
+    command: Sequence[str],
+    time_limit: float,
+    environment: Mapping[str, str],
+    cpu_limit: float = math.inf,
 ) -> Any:
     """The JSON that a command prints, or a failure."""
+
+    def limit_cpu() -> None:
+        soft = math.ceil(cpu_limit)
+        resource.setrlimit(resource.RLIMIT_CPU, (soft, soft + 5))
+
     try:
         done = subprocess.run(
             command,
@@ -81,6 +90,7 @@ def run_command(
             check=False,
             timeout=None if math.isinf(time_limit) else time_limit,
             env={**os.environ, **environment},
+            preexec_fn=None if math.isinf(cpu_limit) else limit_cpu,
         )
     except subprocess.TimeoutExpired:
         return _timeout(time_limit)
@@ -89,6 +99,8 @@ def run_command(
             return json.loads(done.stdout)
         except ValueError:
             return Failure("did not print JSON", "error")
+    if done.returncode == -signal.SIGXCPU:
+        return _timeout(cpu_limit)
     if done.returncode < 0:
         return Failure(_end(done.returncode), "crash")
     lines = done.stderr.split("\n")

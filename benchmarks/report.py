@@ -2,14 +2,17 @@
 """The tables of results of side_by_side.py.
 
     python benchmarks/report.py RESULTS.json [MORE.json..]
+    python benchmarks/report.py RESULTS.json --cpu
     python benchmarks/report.py RESULTS.json --into docs/benchmarks.md
 
-The second puts them into a text, between the lines `<!-- side by side -->` and
+The last puts them into a text, between the lines `<!-- side by side -->` and
 `<!-- end of side by side -->`.
 """
 
 from __future__ import annotations
 
+import copy
+import itertools
 import json
 import statistics
 from collections.abc import Sequence
@@ -20,9 +23,13 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from peers import PEERS
+from peers import PEERS, UNIT
 
 HEADS = ("", "samples", "seconds", "min to max", "× FLANN", "bytes a sample", "result")
+CPU_HELP = (
+    "CPU time instead of wall time: on one thread the same on an idle machine, and hardly "
+    "changed by others on a busy one."
+)
 REASONS = 2  # that a table has room for
 WIDTH = 160  # where there is no terminal
 BEGIN, END = "<!-- side by side -->", "<!-- end of side by side -->"
@@ -33,6 +40,24 @@ app = typer.Typer(
     rich_markup_mode=None,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
+
+
+def load(file: Path, cpu: bool = False) -> dict[str, Any]:
+    report = json.loads(file.read_text(encoding="utf-8"))
+    return by_cpu(report) if cpu else report
+
+
+def by_cpu(report: dict[str, Any]) -> dict[str, Any]:
+    """The report as if CPU time had been measured instead of wall time."""
+    report = copy.deepcopy(report)
+    report["clock"] = "CPU"
+    for case in report["cases"]:
+        unit = case["peers"].get(UNIT, {}).get("cpu_seconds", [])
+        for record in case["peers"].values():
+            record["seconds"] = record["cpu_seconds"]
+            pairs = itertools.zip_longest(record["seconds"], unit)  # round by round
+            record["ratios"] = [a / b if b else None for a, b in pairs if a is not None]
+    return report
 
 
 def median(values: Sequence[float | None]) -> float | None:
@@ -99,6 +124,8 @@ def notes(reports: Sequence[dict[str, Any]]) -> list[str]:
     packages = ", ".join(f"{name} {v}" for name, v in report["versions"].items())
     computer, count = report["machine"], report["threads"]
     threads = f"{count} thread{'s' * (count > 1)}, median of {report['repeat']}"
+    if "clock" in report:
+        threads += f", {report['clock']} time"
     where = f"{computer['cpu']}, {computer['cores']} cores, {report['date'][:10]}"
     lines = [f"{where}; {threads}; {packages}."]
     left_out = {k: v for report in reports for k, v in report["left_out"].items()}
@@ -147,12 +174,13 @@ def main(
         Path | None,
         typer.Option(exists=True, dir_okay=False, help="Text to put the tables into."),
     ] = None,
+    cpu: Annotated[bool, typer.Option("--cpu", help=CPU_HELP)] = False,
     markdown: Annotated[
         bool, typer.Option("--markdown", help="Print the tables in Markdown.")
     ] = False,
 ) -> None:
     """Print the tables of results again."""
-    reports = [json.loads(file.read_text(encoding="utf-8")) for file in results]
+    reports = [load(file, cpu) for file in results]
     if into is None:
         print_report(reports, markdown)
         return

@@ -128,11 +128,12 @@ def test_peers_that_take_no_such_shape_are_named(tmp_path):
         ["--order", "hilbert"],
         ["--samples", "many"],
         ["--samples", "10,0"],
+        ["--threads=2", "--cpu"],
     ],
 )
 def test_wrong_usage(arguments):
     done = run("side_by_side.py", *arguments, code=2)
-    assert repr(arguments[1]) in done.stderr
+    assert arguments[1] in done.stderr
 
 
 @pytest.mark.skipif(DRIVER is None, reason="remanifold_peers is not built")
@@ -187,6 +188,14 @@ def test_runs_over_the_limit_are_killed_and_larger_ones_left_out(tmp_path):
 def test_endings_of_commands(code, expected):
     command = [sys.executable, "-c", code]
     assert processes.run_command(command, math.inf, {}) == expected
+
+
+def test_limit_of_cpu_time():
+    spin = [sys.executable, "-c", "while True: pass"]
+    failure = processes.Failure("not done after 1 s", "timeout")
+    assert processes.run_command(spin, 60, {}, 1) == failure
+    sleep = [sys.executable, "-c", "import time; time.sleep(2); print(1)"]
+    assert processes.run_command(sleep, 60, {}, 1) == 1
 
 
 def test_disturbed_runs_are_done_again(tmp_path, monkeypatch):
@@ -414,6 +423,18 @@ def test_tables_go_into_a_text(results, tmp_path):
     assert text.read_text(encoding="utf-8") == first
     text.write_text("no place", encoding="utf-8")
     run("report.py", results[1], "--into", text, code=2)
+
+
+def test_cpu_time_instead():
+    record = {"seconds": [9.0, 9.0], "cpu_seconds": [2.0, 3.0], "ratios": [1.0, 1.0]}
+    unit = {"seconds": [9.0] * 3, "cpu_seconds": [0.5, 1.0, 1.0], "ratios": [1.0] * 3}
+    found = report.by_cpu({"cases": [{"peers": {"paper": record, "flann": unit}}]})
+    peers = found["cases"][0]["peers"]
+    assert peers["paper"]["seconds"] == [2, 3]
+    assert peers["paper"]["ratios"] == [4, 3]
+    assert peers["flann"]["ratios"] == [1, 1, 1]
+    alone = report.by_cpu({"cases": [{"peers": {"paper": record}}]})
+    assert alone["cases"][0]["peers"]["paper"]["ratios"] == [None, None]
 
 
 def test_curves(results, tmp_path):
