@@ -109,7 +109,7 @@ def main(
     mpl.rcParams.update({"svg.hashsalt": "remanifold", "font.size": 10})
     figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4.6), layout="constrained")
     draw(left, cases, "seconds")
-    left.set_ylabel("microseconds a sample")
+    left.set_ylabel(f"microseconds{' of CPU time' if cpu else ''} a sample")
     draw(right, cases, "ratios")
     right.set_ylabel("multiples of FLANN's search for 20 neighbors")
     figure.suptitle(f"{title_of(cases[0])}; hollow: wrong result", fontsize=11)

@@ -232,7 +232,8 @@ class Bench:
             unit = math.nan
             for name in names:
                 record = records[name]
-                long = name != UNIT and sum(record["seconds"]) > LONG
+                spent = sum(record["cpu_seconds" if self.cpu else "seconds"])
+                long = name != UNIT and spent > LONG
                 if record["ending"] != "done" or long:
                     continue
                 self.say(f"{_title(case)}, {name}, {turn + 1} of {self.repeat}")

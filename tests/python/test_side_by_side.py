@@ -211,6 +211,20 @@ def test_disturbed_runs_are_done_again(tmp_path, monkeypatch):
     assert next(shares) == 0.1
 
 
+@pytest.mark.parametrize(("cpu", "rounds"), [(False, 2), (True, 3)])
+def test_long_runs_are_not_repeated_but_for_the_unit(
+    tmp_path, monkeypatch, cpu, rounds
+):
+    def run_once(bench, name, *_):
+        bench.result(name).touch()
+        return {"seconds": 15.0, "cpu_seconds": 6.0, "peak_bytes": None}
+
+    monkeypatch.setattr(Bench, "run_once", run_once)
+    bench = Bench(None, tmp_path, 3, 1, 60, lambda _: None, cpu)
+    records = bench.measure(CIRCLE, ["flann", "paper"], {})
+    assert [len(record["seconds"]) for record in records.values()] == [3, rounds]
+
+
 def test_crashes_are_wrong(tmp_path):
     bench = Bench(Path(shutil.which("false")), tmp_path, 2, 1, 60, lambda _: None)
     record = bench.measure(CIRCLE, ["flann"], {})["flann"]
