@@ -20,6 +20,7 @@ import math
 import os
 import platform
 import shlex
+import signal
 import subprocess
 import sys
 import tempfile
@@ -477,6 +478,8 @@ def main(
             missing[name] = "for none of these shapes"
             say(f"left out: {PEERS[name].label} ({name}): {missing[name]}")
 
+    # Leaves neither processes nor files behind, as Ctrl-C does not.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     report: dict[str, Any] = {
         "command": shlex.join(["benchmarks/side_by_side.py", *sys.argv[1:]]),
         "date": dt.datetime.now(dt.timezone.utc).isoformat("T", "seconds"),
