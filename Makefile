@@ -80,7 +80,9 @@ side-by-side-docs: $(PACKAGE)
 	$(MEASURE_FOR_DOCS) --shape circle --shape flat_torus_in_300 \
 	  --shape sphere_times_circle --shape flat_torus_3 --shape rotations \
 	  --shape sphere_4 --json $(BUILD)/others.json
-	$(BIN)/python benchmarks/report.py --cpu $(BUILD)/{torus,sphere,others}.json \
+	$(MEASURE_FOR_DOCS) --shape torus --samples 3000,30000 --noise 0.5 \
+	  --json $(BUILD)/noise.json
+	$(BIN)/python benchmarks/report.py --cpu $(BUILD)/{torus,sphere,others,noise}.json \
 	  --into docs/benchmarks.md
 	$(BIN)/python benchmarks/plot_growth.py --cpu $(BUILD)/torus.json \
 	  -o docs/figures/side_by_side.svg

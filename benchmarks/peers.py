@@ -45,7 +45,7 @@ PEERS = {
     "manifold": Peer("remanifold", "remanifold"),
     "paper": Peer("remanifold, method paper", "remanifold"),
     "gudhi": Peer("GUDHI tangential complex", "gudhi"),
-    "gudhi_perturbed": Peer("the same, perturbed", "gudhi"),
+    "gudhi_perturbed": Peer("GUDHI, perturbed", "gudhi"),
     "advancing_front": Peer("CGAL advancing front", None, surfaces_only=True),
     "scale_space": Peer("CGAL scale space", None, surfaces_only=True),
     "open3d_ball_pivoting": Peer("Open3D ball pivoting", "open3d", surfaces_only=True),

@@ -66,7 +66,7 @@ def draw(axes: Any, cases: list[dict[str, Any]], field: str) -> None:
             color=color,
             linestyle=line,
             linewidth=2.2 if name == "manifold" else 1.4,
-            label=PEERS[name].label.replace("the same", "GUDHI"),
+            label=PEERS[name].label,
         )
         for count, value, right in points:
             axes.plot(

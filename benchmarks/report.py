@@ -127,7 +127,7 @@ def notes(reports: Sequence[dict[str, Any]]) -> list[str]:
     if "clock" in report:
         threads += f", {report['clock']} time"
     where = f"{computer['cpu']}, {computer['cores']} cores, {report['date'][:10]}"
-    lines = [f"{where}; {threads}; {packages}."]
+    lines = [f"{where}; {threads}, limit {report['time_limit']:g} s; {packages}."]
     left_out = {k: v for report in reports for k, v in report["left_out"].items()}
     for name, reason in left_out.items():
         lines.append(f"left out: {PEERS[name].label} ({name}): {reason}")

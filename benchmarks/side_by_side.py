@@ -70,7 +70,7 @@ SAMPLES = {
     "flat_torus_in_300": (5_000,),
     "sphere_times_circle": (800,),
     "flat_torus_3": (2_500,),
-    "rotations": (2_000,),
+    "rotations": (10_000,),
     "sphere_4": (800,),
 }
 ELSE_SAMPLES = (10_000,)
