@@ -132,7 +132,8 @@ def test_peers_that_take_no_such_shape_are_named(tmp_path):
     ],
 )
 def test_wrong_usage(arguments):
-    done = run("side_by_side.py", *arguments, code=2)
+    little = "--shape=circle", "--samples=50", "--peer=paper"
+    done = run("side_by_side.py", *little, *arguments, code=2)
     assert arguments[1] in done.stderr
 
 
