@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "remanifold/facets.hpp"
 
+#include "detail/dispatch.hpp"
 #include "detail/parallel.hpp"
 #include "detail/simplex_rows.hpp"
 
@@ -17,6 +18,39 @@ Index facet_vertex(const Index* simplex, int i, int j) {
   return simplex[j < i ? j : j + 1];
 }
 
+/// The rows of an array by the vertex in one column; rows in that order are not copied.
+class Buckets {
+ public:
+  Buckets(const SimplexArray& simplices, int column, Index num_vertices)
+      : starts_(static_cast<std::size_t>(num_vertices) + 1, 0) {
+    bool sorted = true;
+    Index last = 0;
+    for (Offset s = 0; s < simplices.size(); ++s) {
+      const Index v = simplices[s][column];
+      sorted = sorted && v >= last;
+      last = v;
+      ++starts_[v + 1];
+    }
+    std::partial_sum(starts_.begin(), starts_.end(), starts_.begin());
+    if (sorted) {
+      return;
+    }
+    rows_.resize(simplices.size());
+    std::vector<Offset> next(starts_.begin(), starts_.end() - 1);
+    for (Offset s = 0; s < simplices.size(); ++s) {
+      rows_[next[simplices[s][column]]++] = s;
+    }
+  }
+
+  Offset begin(Offset v) const { return starts_[v]; }
+  Offset end(Offset v) const { return starts_[v + 1]; }
+  Offset row(Offset i) const { return rows_.empty() ? i : rows_[i]; }
+
+ private:
+  std::vector<Offset> starts_;
+  std::vector<Offset> rows_;
+};
+
 /// Facets in the order of their vertices. visit(facets, first, last) is called, in
 /// parallel, for the positions of each group that has the same vertices.
 template <class Visit>
@@ -27,24 +61,11 @@ std::vector<FacetNumber> sort_facets(const SimplexArray& simplices, Index num_ve
     return facet_vertex(simplices[f / arity], static_cast<int>(f % arity), position);
   };
   // Buckets by the lowest vertex, then each sorted on its own, most by the second alone.
-  const auto for_each_lowest = [&](const auto& body) {
-    FacetNumber f = 0;
-    for (Offset s = 0; s < simplices.size(); ++s) {
-      const Index* simplex = simplices[s];
-      body(simplex[1], f++);
-      for (int i = 1; i < arity; ++i) {
-        body(simplex[0], f++);
-      }
-    }
-  };
-  std::vector<Offset> buckets(static_cast<std::size_t>(num_vertices) + 1, 0);
-  for_each_lowest([&](Index v, FacetNumber) { ++buckets[v + 1]; });
-  std::partial_sum(buckets.begin(), buckets.end(), buckets.begin());
-  std::vector<FacetNumber> facets(buckets.back());
-  {
-    std::vector<Offset> next(buckets.begin(), buckets.end() - 1);
-    for_each_lowest([&](Index v, FacetNumber f) { facets[next[v]++] = f; });
-  }
+  // A facet's lowest vertex is the first of its simplex or, without that, the second.
+  const Offset count = simplices.size();
+  const Buckets by_first(simplices, 0, num_vertices);
+  const Buckets by_second(simplices, 1, num_vertices);
+  std::vector<FacetNumber> facets(count * arity);
   struct Entry {
     Index second;
     FacetNumber facet;
@@ -67,17 +88,27 @@ std::vector<FacetNumber> sort_facets(const SimplexArray& simplices, Index num_ve
         std::vector<Entry> entries;
         for (Offset v = begin; v < end; ++v) {
           entries.clear();
-          for (Offset i = buckets[v]; i < buckets[v + 1]; ++i) {
-            entries.push_back({arity > 2 ? vertex_of(facets[i], 1) : 0, facets[i]});
+          const auto add = [&](Offset s, int leave) {
+            entries.push_back({arity > 2 ? facet_vertex(simplices[s], leave, 1) : 0,
+                               s * arity + leave});
+          };
+          for (Offset i = by_first.begin(v); i < by_first.end(v); ++i) {
+            for (int leave = 1; leave < arity; ++leave) {
+              add(by_first.row(i), leave);
+            }
           }
+          for (Offset i = by_second.begin(v); i < by_second.end(v); ++i) {
+            add(by_second.row(i), 0);
+          }
+          const Offset start = by_first.begin(v) * (arity - 1) + by_second.begin(v);
           detail::sort_few(entries.begin(), entries.end(),
                            [&](const Entry& a, const Entry& b) {
                              const int order = compare(a, b);
                              return order != 0 ? order < 0 : a.facet < b.facet;
                            });
-          Offset first = buckets[v];
+          Offset first = start;
           for (std::size_t i = 0; i < entries.size(); ++i) {
-            const Offset position = buckets[v] + static_cast<Offset>(i);
+            const Offset position = start + static_cast<Offset>(i);
             facets[position] = entries[i].facet;
             if (i + 1 == entries.size() || compare(entries[i], entries[i + 1]) != 0) {
               visit(facets.data(), first, position + 1);
@@ -165,7 +196,12 @@ std::vector<FacetNumber> facet_neighbors(const SimplexArray& simplices,
   return neighbors;
 }
 
-OrientedPatches orient_patches(const std::vector<FacetNumber>& neighbors, int arity) {
+namespace {
+
+/// Divisions by a number known to the compiler are what this costs least with.
+template <int K>
+OrientedPatches orient_simplices(const std::vector<FacetNumber>& neighbors, int dim) {
+  const int arity = (K == Eigen::Dynamic ? dim : K) + 1;
   const Offset count = static_cast<Offset>(neighbors.size()) / arity;
   OrientedPatches result;
   result.patch.assign(count, -1);
@@ -206,6 +242,14 @@ OrientedPatches orient_patches(const std::vector<FacetNumber>& neighbors, int ar
     result.orientable.push_back(orientable ? 1 : 0);
   }
   return result;
+}
+
+}  // namespace
+
+OrientedPatches orient_patches(const std::vector<FacetNumber>& neighbors, int arity) {
+  return detail::dispatch_dim(arity - 1, [&](auto k) {
+    return orient_simplices<decltype(k)::value>(neighbors, arity - 1);
+  });
 }
 
 }  // namespace remanifold

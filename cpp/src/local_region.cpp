@@ -725,9 +725,9 @@ class RegionKernel {
   int dim_;
   detail::KnownDistances distances_;
   std::unique_ptr<NeighborSearch::Query> query_;
-  std::unique_ptr<ConvexHull> hull_;     // K other than 2
-  detail::HullPolygon polygon_;  // K = 2
-  std::vector<Index> facets_;            // of the polygon
+  std::unique_ptr<ConvexHull> hull_;  // K other than 2
+  detail::HullPolygon polygon_;       // K = 2
+  std::vector<Index> facets_;         // of the polygon
   std::size_t first_batch_;
   Index ahead_;  // neighbors read ahead of each sample
 
@@ -824,14 +824,20 @@ void compute_all(const Samples& samples, const NeighborSearch& search,
   }
   std::partial_sum(edge_counts.begin(), edge_counts.end(), edge_counts.begin());
   std::partial_sum(star_counts.begin(), star_counts.end(), star_counts.begin());
-  result.edge_sets.indices.reserve(edge_counts.back());
-  result.stars.reserve(star_counts.back() * result.dim);
-  for (Block& block : blocks) {
-    result.edge_sets.indices.insert(result.edge_sets.indices.end(),
-                                    block.edge_sets.begin(), block.edge_sets.end());
-    result.stars.insert(result.stars.end(), block.stars.begin(), block.stars.end());
-    block = {};
-  }
+  result.edge_sets.indices.resize(edge_counts.back());
+  result.stars.resize(star_counts.back() * result.dim);
+  const auto join = [&](Offset begin, Offset end) {
+    for (Offset b = begin; b < end; ++b) {
+      const Offset first = b * block_length;
+      std::copy(blocks[b].edge_sets.begin(), blocks[b].edge_sets.end(),
+                result.edge_sets.indices.begin() + edge_counts[first]);
+      std::copy(blocks[b].stars.begin(), blocks[b].stars.end(),
+                result.stars.begin() + star_counts[first] * result.dim);
+      blocks[b] = {};
+    }
+  };
+  detail::for_each_block_uncounted(static_cast<Offset>(blocks.size()), 64, execution,
+                                   join);
 }
 
 }  // namespace

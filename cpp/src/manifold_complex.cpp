@@ -65,7 +65,7 @@ class ManifoldBuilder {
       options_.boundary = BoundaryRule::kNone;
     }
     if (options_.hole_radius == 0) {
-      const double even = evenness(samples, neighborhoods, scales_, dim_);
+      const double even = evenness(samples, neighborhoods, scales_, dim_, execution);
       options_.hole_radius = (kHoleAtRandom + even * (kHoleEven - kHoleAtRandom)) *
                              (dim_ == 1 ? kHoleOfCurve : 1.0);
     }

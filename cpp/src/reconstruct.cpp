@@ -230,7 +230,6 @@ ManifoldReconstruction reconstruct_manifold(const Samples& samples,
     std::sort(vertices->begin(), vertices->end());
   }
   result.report = std::move(report);
-  result.edges = edges_of(result.simplices, samples.input_size());
   result.boundary.assign(samples.input_size(), 0);
   for (const Index v : result.report.open_facets.vertices) {
     result.boundary[v] = 1;

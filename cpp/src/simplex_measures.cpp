@@ -57,15 +57,20 @@ std::vector<double> local_scales(const Samples& samples,
 }
 
 double evenness(const Samples& samples, const Neighborhoods& neighborhoods,
-                const std::vector<double>& scales, int dim) {
+                const std::vector<double>& scales, int dim,
+                const Execution& execution) {
   if (neighborhoods.count == 0) {
     return 0;
   }
-  std::vector<double> ratios;
-  for (Index x = 0; x < samples.size(); ++x) {
-    ratios.push_back(std::sqrt(samples.squared_distance(x, neighborhoods.of(x)[0])) /
-                     scales[x]);
-  }
+  std::vector<double> ratios(samples.size());
+  detail::for_each_block_uncounted(
+      samples.size(), kBlock, execution, [&](Offset begin, Offset end) {
+        for (Offset i = begin; i < end; ++i) {
+          const auto x = static_cast<Index>(i);
+          ratios[x] = std::sqrt(samples.squared_distance(x, neighborhoods.of(x)[0])) /
+                      scales[x];
+        }
+      });
   const auto tenth = ratios.begin() + static_cast<Offset>(ratios.size() / 10);
   std::nth_element(ratios.begin(), tenth, ratios.end());
   // Of a Poisson process: one in ten has a neighbor in a ball that holds -log(0.9) samples

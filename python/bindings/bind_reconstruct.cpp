@@ -122,7 +122,6 @@ py::dict reconstruct_with_chain(const std::string& kind,
       });
   py::dict out;
   out["simplices"] = to_numpy(std::move(result.simplices));
-  out["edges"] = to_numpy(std::move(result.edges));
   if (kind == "points") {
     out["tangents"] = tangents_of(std::move(result.tangents), std::move(result.frames),
                                   matrix.shape(0), dim, matrix.shape(1));

@@ -37,6 +37,10 @@ py::array component_labels(const InputArray<Index>& simplices, Index num_vertice
   return to_numpy(connected_components(simplex_array(simplices), num_vertices).labels);
 }
 
+py::array edges(const InputArray<Index>& simplices, Index num_vertices) {
+  return to_numpy(edges_of(simplex_array(simplices), num_vertices));
+}
+
 /// The connected set each face belongs to, as in OpenFaces.
 py::array face_sets(const InputArray<Index>& faces) {
   Faces open{simplex_array(faces), {}};
@@ -80,6 +84,8 @@ void bind_topology(py::module_& module) {
   module.def("topology", &topology, py::arg("simplices").noconvert(),
              py::arg("num_vertices"), py::arg("num_threads"), py::arg("progress"));
   module.def("component_labels", &component_labels, py::arg("simplices").noconvert(),
+             py::arg("num_vertices"));
+  module.def("edges", &edges, py::arg("simplices").noconvert(),
              py::arg("num_vertices"));
   module.def("face_sets", &face_sets, py::arg("faces").noconvert());
   module.def(

@@ -149,9 +149,6 @@ class Reconstruction(ReadOnlyArrays):
         connected through faces is orientable, the order of the columns orients them
         alike, with positive volume where K = D and where K = D - 1 and the set is closed
         (outward normals).
-    edges : ndarray, shape (E, 2), int32
-        Edges of the simplices (paper: of the graph whose cliques they are), i < j,
-        sorted.
     boundary : ndarray, shape (N,), bool
         Samples on an open face (paper: samples without a tangent basis, BD).
     representatives : ndarray, shape (N,), int32
@@ -181,7 +178,6 @@ class Reconstruction(ReadOnlyArrays):
 
     vertices: NDArray[np.float64] | None
     simplices: NDArray[np.int32]
-    edges: NDArray[np.int32]
     boundary: NDArray[np.bool_]
     representatives: NDArray[np.int32]
     dim: int
@@ -213,6 +209,16 @@ class Reconstruction(ReadOnlyArrays):
     def num_samples(self) -> int:
         """N, copies included."""
         return len(self.boundary)
+
+    @functools.cached_property
+    def edges(self) -> NDArray[np.int32]:
+        """Edges of the simplices, (E, 2), i < j, sorted; computed when first asked for.
+
+        Paper: edges of the graph whose cliques the simplices are.
+        """
+        edges = _core.edges(self.simplices, self.num_samples)
+        edges.flags.writeable = False
+        return edges
 
     @functools.cached_property
     def tangents(self) -> NDArray[np.float64] | None:
@@ -452,7 +458,6 @@ def reconstruct(
     rec = Reconstruction(
         vertices=vertices,
         simplices=result["simplices"],
-        edges=result["edges"],
         boundary=result["boundary"],
         representatives=result["representatives"],
         dim=k,
@@ -467,9 +472,12 @@ def reconstruct(
         _frames=frames,
         **paper,
     )
-    if isinstance(tangents, np.ndarray):
-        tangents.flags.writeable = False
-        vars(rec)["tangents"] = tangents
+    # What is known already fills the places of the cached properties.
+    known = {"tangents": tangents, "edges": result.get("edges")}
+    for name, array in known.items():
+        if isinstance(array, np.ndarray):
+            array.flags.writeable = False
+            vars(rec)[name] = array
     return rec
 
 

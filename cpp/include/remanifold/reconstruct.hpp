@@ -74,7 +74,6 @@ struct ManifoldReconstruction {
   /// orientation, the order of the columns is alike across facets; with K = D, and with
   /// K = D - 1 where the patch is closed, it gives a positive volume.
   SimplexArray simplices;
-  SimplexArray edges;
   ManifoldReport report;
   std::vector<double> tangents;  ///< N x K x D, NaN where there is none; or frames
   TangentFrames frames;

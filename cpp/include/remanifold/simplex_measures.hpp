@@ -23,7 +23,8 @@ std::vector<double> local_scales(const Samples& samples,
 /// How evenly the samples lie, from 0 (independent of each other) to 1 (no two much nearer
 /// than the rest): from the tenth percentile of the nearest-neighbor distance over h.
 double evenness(const Samples& samples, const Neighborhoods& neighborhoods,
-                const std::vector<double>& scales, int dim);
+                const std::vector<double>& scales, int dim,
+                const Execution& execution = {});
 
 struct SimplexMeasures {
   double volume = 0;
