@@ -51,25 +51,24 @@ class Buckets {
   std::vector<Offset> rows_;
 };
 
-/// Facets in the order of their vertices. visit(facets, first, last) is called, in
-/// parallel, for the positions of each group that has the same vertices.
+struct Entry {
+  Index second;  // vertex of the facet
+  FacetNumber facet;
+};
+
+/// Sorts facets by their vertices. visit(position, entries, count) is called, in parallel,
+/// for each group that has the same, with the group's position in the order of all.
 template <class Visit>
-std::vector<FacetNumber> sort_facets(const SimplexArray& simplices, Index num_vertices,
-                                     const Execution& execution, const Visit& visit) {
+void sort_facets(const SimplexArray& simplices, Index num_vertices,
+                 const Execution& execution, const Visit& visit) {
   const int arity = simplices.arity;
   const auto vertex_of = [&](FacetNumber f, int position) {
     return facet_vertex(simplices[f / arity], static_cast<int>(f % arity), position);
   };
   // Buckets by the lowest vertex, then each sorted on its own, most by the second alone.
   // A facet's lowest vertex is the first of its simplex or, without that, the second.
-  const Offset count = simplices.size();
   const Buckets by_first(simplices, 0, num_vertices);
   const Buckets by_second(simplices, 1, num_vertices);
-  std::vector<FacetNumber> facets(count * arity);
-  struct Entry {
-    Index second;
-    FacetNumber facet;
-  };
   const auto compare = [&](const Entry& a, const Entry& b) {
     if (a.second != b.second) {
       return a.second < b.second ? -1 : 1;
@@ -100,24 +99,22 @@ std::vector<FacetNumber> sort_facets(const SimplexArray& simplices, Index num_ve
           for (Offset i = by_second.begin(v); i < by_second.end(v); ++i) {
             add(by_second.row(i), 0);
           }
-          const Offset start = by_first.begin(v) * (arity - 1) + by_second.begin(v);
           detail::sort_few(entries.begin(), entries.end(),
                            [&](const Entry& a, const Entry& b) {
                              const int order = compare(a, b);
                              return order != 0 ? order < 0 : a.facet < b.facet;
                            });
-          Offset first = start;
-          for (std::size_t i = 0; i < entries.size(); ++i) {
-            const Offset position = start + static_cast<Offset>(i);
-            facets[position] = entries[i].facet;
-            if (i + 1 == entries.size() || compare(entries[i], entries[i + 1]) != 0) {
-              visit(facets.data(), first, position + 1);
-              first = position + 1;
+          const Offset start = by_first.begin(v) * (arity - 1) + by_second.begin(v);
+          std::size_t first = 0;
+          for (std::size_t i = 1; i <= entries.size(); ++i) {
+            if (i == entries.size() || compare(entries[first], entries[i]) != 0) {
+              visit(start + static_cast<Offset>(first), entries.data() + first,
+                    static_cast<Offset>(i - first));
+              first = i;
             }
           }
         }
       });
-  return facets;
 }
 
 }  // namespace
@@ -132,11 +129,17 @@ void copy_facet(const SimplexArray& simplices, FacetNumber facet, Index* out) {
 
 FacetGroups group_facets(const SimplexArray& simplices, Index num_vertices,
                          const Execution& execution) {
-  std::vector<std::uint8_t> ends(simplices.vertices.size() + 1, 0);
+  const std::size_t count = simplices.vertices.size();  // as many facets
+  std::vector<std::uint8_t> ends(count + 1, 0);
   FacetGroups groups;
-  groups.facets =
-      sort_facets(simplices, num_vertices, execution,
-                  [&](const FacetNumber*, Offset, Offset last) { ends[last] = 1; });
+  groups.facets.resize(count);
+  sort_facets(simplices, num_vertices, execution,
+              [&](Offset position, const Entry* entries, Offset cofaces) {
+                for (Offset i = 0; i < cofaces; ++i) {
+                  groups.facets[position + i] = entries[i].facet;
+                }
+                ends[position + cofaces] = 1;
+              });
   for (std::size_t i = 0; i < ends.size(); ++i) {
     if (ends[i] != 0) {
       groups.offsets.push_back(static_cast<Offset>(i));
@@ -183,13 +186,13 @@ std::vector<FacetNumber> facet_neighbors(const SimplexArray& simplices,
                                          const Execution& execution) {
   std::vector<FacetNumber> neighbors(simplices.vertices.size(), kOpen);
   sort_facets(simplices, num_vertices, execution,
-              [&](const FacetNumber* facets, Offset first, Offset last) {
-                if (last - first == 2) {
-                  neighbors[facets[first]] = facets[first + 1];
-                  neighbors[facets[first + 1]] = facets[first];
-                } else if (last - first > 2) {
-                  for (Offset i = first; i < last; ++i) {
-                    neighbors[facets[i]] = kBranching;
+              [&](Offset, const Entry* entries, Offset cofaces) {
+                if (cofaces == 2) {
+                  neighbors[entries[0].facet] = entries[1].facet;
+                  neighbors[entries[1].facet] = entries[0].facet;
+                } else if (cofaces > 2) {
+                  for (Offset i = 0; i < cofaces; ++i) {
+                    neighbors[entries[i].facet] = kBranching;
                   }
                 }
               });

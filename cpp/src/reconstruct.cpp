@@ -210,6 +210,7 @@ ManifoldReconstruction reconstruct_manifold(const Samples& samples,
     }
     manifold.boundary_samples = std::move(mask);
   }
+  steps.regions.edge_sets = {};  // the stars are all that is needed
   detail::begin_step(execution, Step::kComplex, 0);
   ManifoldComplex complex =
       build_manifold(samples.knowing(steps.neighborhoods), steps.neighborhoods,
