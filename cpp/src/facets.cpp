@@ -3,6 +3,7 @@
 
 #include "detail/dispatch.hpp"
 #include "detail/parallel.hpp"
+#include "detail/signed_sets.hpp"
 #include "detail/simplex_rows.hpp"
 
 #include <algorithm>
@@ -201,9 +202,119 @@ std::vector<FacetNumber> facet_neighbors(const SimplexArray& simplices,
 
 namespace {
 
-/// Divisions by a number known to the compiler are what this costs least with.
+/// Simplices of one task.
+constexpr Offset kPatchBlock = 1 << 15;
+
+/// Disjoint sets of simplices with signs, as in detail::SignedSets, but rooted at the first
+/// of each, so that a parent always comes before its children.
+class SimplexForest {
+ public:
+  explicit SimplexForest(Offset size) : parent_(size), sign_(size, 1) {
+    std::iota(parent_.begin(), parent_.end(), Offset{0});
+  }
+
+  /// Touches what lies between the roots and the two only.
+  bool join(Offset a, Offset b, int product) {
+    const auto [root_a, sign_a] = find(a);
+    const auto [root_b, sign_b] = find(b);
+    if (root_a == root_b) {
+      return sign_a * sign_b == product;
+    }
+    const Offset child = std::max(root_a, root_b);
+    parent_[child] = std::min(root_a, root_b);
+    sign_[child] = static_cast<std::int8_t>(sign_a * sign_b * product);
+    return true;
+  }
+
+  Offset parent(Offset s) const { return parent_[s]; }
+  std::int8_t sign(Offset s) const { return sign_[s]; }
+
+ private:
+  std::pair<Offset, int> find(Offset s) {
+    int sign = 1;
+    while (parent_[s] != s) {
+      const Offset parent = parent_[s];
+      if (parent_[parent] != parent) {
+        sign_[s] = static_cast<std::int8_t>(sign_[s] * sign_[parent]);
+        parent_[s] = parent_[parent];
+      }
+      sign *= sign_[s];
+      s = parent_[s];
+    }
+    return {s, sign};
+  }
+
+  std::vector<Offset> parent_;
+  std::vector<std::int8_t> sign_;  // relative to the parent
+};
+
+/// Blocks of simplices each on their own, then across blocks. Divisions by a number known
+/// to the compiler are what this costs least with.
+/// \returns nothing where some patch has no orientation
 template <int K>
-OrientedPatches orient_simplices(const std::vector<FacetNumber>& neighbors, int dim) {
+std::optional<OrientedPatches> orient_all(const std::vector<FacetNumber>& neighbors,
+                                          int dim, const Execution& execution) {
+  const int arity = (K == Eigen::Dynamic ? dim : K) + 1;
+  const Offset count = static_cast<Offset>(neighbors.size()) / arity;
+  SimplexForest forest(count);
+  struct Block {
+    std::vector<FacetNumber> across;
+    bool orientable = true;
+  };
+  std::vector<Block> blocks((count + kPatchBlock - 1) / kPatchBlock);
+  const auto join = [&](FacetNumber a, FacetNumber b) {
+    return forest.join(a / arity, b / arity, flips_across(a, b, arity) ? -1 : 1);
+  };
+  detail::for_each_block_uncounted(
+      count, kPatchBlock, execution, [&](Offset begin, Offset end) {
+        Block& block = blocks[begin / kPatchBlock];
+        for (FacetNumber f = begin * arity; f < end * arity; ++f) {
+          const FacetNumber other = neighbors[f];
+          if (other >= end * arity) {
+            block.across.push_back(f);
+          } else if (other > f) {
+            block.orientable = join(f, other) && block.orientable;
+          }
+        }
+      });
+  for (const Block& block : blocks) {
+    bool orientable = block.orientable;
+    for (const FacetNumber f : block.across) {
+      orientable = join(f, neighbors[f]) && orientable;
+    }
+    if (!orientable) {
+      return std::nullopt;
+    }
+  }
+  OrientedPatches result;
+  result.patch.resize(count);
+  result.sign.resize(count);
+  for (Offset s = 0; s < count; ++s) {
+    const Offset parent = forest.parent(s);
+    if (parent == s) {
+      result.patch[s] = static_cast<Index>(result.sizes.size());
+      result.sign[s] = 1;
+      result.sizes.push_back(0);
+      result.closed.push_back(1);
+    } else {
+      result.patch[s] = result.patch[parent];
+      result.sign[s] = static_cast<std::int8_t>(forest.sign(s) * result.sign[parent]);
+    }
+    ++result.sizes[result.patch[s]];
+    for (FacetNumber f = s * arity; f < (s + 1) * arity; ++f) {
+      if (neighbors[f] == kOpen) {
+        result.closed[result.patch[s]] = 0;
+      }
+    }
+  }
+  result.orientable.assign(result.sizes.size(), 1);
+  return result;
+}
+
+/// One simplex after the other along facets: the signs where there is no orientation depend
+/// on the way.
+template <int K>
+OrientedPatches walk_patches(const std::vector<FacetNumber>& neighbors, int dim) {
   const int arity = (K == Eigen::Dynamic ? dim : K) + 1;
   const Offset count = static_cast<Offset>(neighbors.size()) / arity;
   OrientedPatches result;
@@ -217,6 +328,7 @@ OrientedPatches orient_simplices(const std::vector<FacetNumber>& neighbors, int 
     const auto label = static_cast<Index>(result.sizes.size());
     Offset size = 0;
     bool orientable = true;
+    bool closed = true;
     result.sign[seed] = 1;
     result.patch[seed] = label;
     stack.assign(1, seed);
@@ -227,6 +339,7 @@ OrientedPatches orient_simplices(const std::vector<FacetNumber>& neighbors, int 
       for (FacetNumber f = s * arity; f < (s + 1) * arity; ++f) {
         const FacetNumber other = neighbors[f];
         if (other < 0) {
+          closed = closed && other != kOpen;
           continue;
         }
         const auto wanted = static_cast<std::int8_t>(
@@ -243,16 +356,114 @@ OrientedPatches orient_simplices(const std::vector<FacetNumber>& neighbors, int 
     }
     result.sizes.push_back(size);
     result.orientable.push_back(orientable ? 1 : 0);
+    result.closed.push_back(closed ? 1 : 0);
   }
   return result;
 }
 
 }  // namespace
 
-OrientedPatches orient_patches(const std::vector<FacetNumber>& neighbors, int arity) {
+OrientedPatches orient_patches(const std::vector<FacetNumber>& neighbors, int arity,
+                               const Execution& execution) {
   return detail::dispatch_dim(arity - 1, [&](auto k) {
-    return orient_simplices<decltype(k)::value>(neighbors, arity - 1);
+    constexpr int dim = decltype(k)::value;
+    std::optional<OrientedPatches> patches =
+        orient_all<dim>(neighbors, arity - 1, execution);
+    return patches ? std::move(*patches) : walk_patches<dim>(neighbors, arity - 1);
   });
+}
+
+std::optional<OrientedPatches> extend_patches(const SimplexArray& known,
+                                              Offset num_known,
+                                              const OrientedPatches& patches,
+                                              const SimplexArray& simplices,
+                                              std::vector<std::uint8_t> around,
+                                              const Execution& execution) {
+  const int arity = simplices.arity;
+  const Offset count = simplices.size();
+  // Nodes: the known patches, and each new simplex on its own.
+  auto num_nodes = static_cast<Offset>(patches.sizes.size());
+  std::vector<Index> node(count);
+  std::vector<std::int8_t> sign(count, 1);
+  Offset next = 0;
+  for (Offset s = 0; s < count; ++s) {
+    const Index* simplex = simplices[s];
+    if (next < num_known && detail::row_equal(known[next], simplex, arity)) {
+      node[s] = patches.patch[next];
+      sign[s] = patches.sign[next];
+      ++next;
+    } else {
+      node[s] = static_cast<Index>(num_nodes++);
+      for (int i = 0; i < arity; ++i) {
+        around[simplex[i]] = 1;
+      }
+    }
+  }
+  if (next < num_known) {
+    return std::nullopt;
+  }
+  detail::SignedSets sets(num_nodes);
+  std::vector<std::uint8_t> twisted(num_nodes, 0);
+  std::vector<std::uint8_t> open(num_nodes, 0);
+  for (std::size_t p = 0; p < patches.orientable.size(); ++p) {
+    twisted[p] = patches.orientable[p] == 0 ? 1 : 0;
+  }
+  const std::vector<Offset> rows =
+      detail::rows_near(simplices, around, arity - 1, execution);
+  const SimplexArray near = detail::select_rows(simplices, rows);
+  const FacetGroups groups =
+      group_facets(near, static_cast<Index>(around.size()), execution);
+  std::vector<Index> facet(arity - 1);
+  for (Offset g = 0; g < groups.size(); ++g) {
+    const FacetNumber* facets = groups.facets.data() + groups.offsets[g];
+    const Offset a = rows[facets[0] / arity];
+    copy_facet(near, facets[0], facet.data());
+    if (!std::all_of(facet.begin(), facet.end(),
+                     [&](Index v) { return around[v] != 0; })) {
+      continue;
+    }
+    if (groups.cofaces(g) == 1) {
+      open[node[a]] = 1;
+    } else if (groups.cofaces(g) == 2) {
+      const Offset b = rows[facets[1] / arity];
+      const int flip = flips_across(facets[0], facets[1], arity) ? -1 : 1;
+      if (!sets.join(node[a], node[b], flip * sign[a] * sign[b])) {
+        twisted[node[a]] = 1;
+      }
+    }
+  }
+
+  OrientedPatches result;
+  result.patch.resize(count);
+  result.sign.resize(count);
+  std::vector<Index> label(num_nodes, -1);      // of each root
+  std::vector<std::int8_t> turn(num_nodes, 1);  // so that the first of a patch is +1
+  std::vector<std::pair<Offset, int>> root(num_nodes);
+  for (Offset n = 0; n < num_nodes; ++n) {
+    root[n] = sets.find(n);
+  }
+  for (Offset s = 0; s < count; ++s) {
+    const auto [r, relative] = root[node[s]];
+    const int own = relative * sign[s];
+    if (label[r] < 0) {
+      label[r] = static_cast<Index>(result.sizes.size());
+      turn[r] = static_cast<std::int8_t>(own);
+      result.sizes.push_back(0);
+      result.orientable.push_back(1);
+      result.closed.push_back(1);
+    }
+    result.patch[s] = label[r];
+    result.sign[s] = static_cast<std::int8_t>(own * turn[r]);
+    ++result.sizes[label[r]];
+  }
+  for (Offset n = 0; n < num_nodes; ++n) {
+    const Index patch = label[root[n].first];
+    if (patch >= 0) {
+      result.orientable[patch] = result.orientable[patch] != 0 && twisted[n] == 0;
+      result.closed[patch] = result.closed[patch] != 0 && open[n] == 0;
+    }
+  }
+  return result;
 }
 
 }  // namespace remanifold

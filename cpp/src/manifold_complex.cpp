@@ -146,7 +146,7 @@ class ManifoldBuilder {
       }
     }
     if (dim_ > 1) {
-      patches_ = orient_patches(neighbors, arity_);
+      patches_ = orient_patches(neighbors, arity_, execution_);
       const OrientedPatches& patches = patches_;
       const Offset largest =
           patches.sizes.empty()
@@ -165,6 +165,9 @@ class ManifoldBuilder {
     for (Offset s = 0; s < fixed_.size(); ++s) {
       if (freed[s] != 0) {
         detail::append_row(disputed_, fixed_[s]);
+        // Not as part of a patch that goes as a whole.
+        split_ = split_ || dim_ == 1 ||
+                 patches_.sizes[patches_.patch[s]] >= options_.smallest_patch;
       }
     }
     Offset kept = 0;
@@ -392,6 +395,21 @@ class ManifoldBuilder {
             facet.data());
       }
     }
+    orient_result();
+  }
+
+  /// The patches of the agreed simplices stay connected as long as all are there.
+  void orient_result() {
+    std::optional<OrientedPatches> patches;
+    if (dim_ > 1 && !split_ && result_.report.branching_facets.size() == 0) {
+      patches = extend_patches(fixed_, num_agreed_, patches_, result_.simplices,
+                               unsettled_, execution_);
+    }
+    result_.patches =
+        patches ? std::move(*patches)
+                : orient_patches(
+                      facet_neighbors(result_.simplices, samples_.size(), execution_),
+                      arity_);
   }
 
   /// What is not among the agreed simplices; those with a settled vertex are.
@@ -426,6 +444,7 @@ class ManifoldBuilder {
   FacetPrice price_;  // of leaving a facet open
 
   OrientedPatches patches_;  // of the agreed simplices
+  bool split_ = false;       // one of these patches may have come apart
   SimplexArray fixed_;       // agreed simplices, then those chosen
   SimplexArray disputed_;    // simplices of some stars
   SimplexArray large_;       // agreed on, but large

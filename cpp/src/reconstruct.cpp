@@ -85,19 +85,10 @@ Regions compute_regions(const Samples& samples, TangentOptions tangent,
 /// Signs of simplices with ascending columns: alike across facets, and with a positive
 /// volume where there is one to speak of. 0 where a patch has no orientation.
 std::vector<std::int8_t> orient(const Samples& samples, const SimplexArray& simplices,
-                                const Execution& execution) {
+                                const OrientedPatches& patches) {
   const int arity = simplices.arity;
   const int dim = arity - 1;
-  const std::vector<FacetNumber> neighbors =
-      facet_neighbors(simplices, samples.size(), execution);
-  OrientedPatches patches = orient_patches(neighbors, arity);
   const auto num_patches = patches.sizes.size();
-  std::vector<std::uint8_t> closed(num_patches, 1);
-  for (std::size_t f = 0; f < neighbors.size(); ++f) {
-    if (neighbors[f] == kOpen) {
-      closed[patches.patch[f / arity]] = 0;
-    }
-  }
   const int ambient_dim = samples.has_points() ? samples.ambient_dim() : 0;
   std::vector<double> volume(num_patches, 0.0);
   std::vector<double> first(num_patches, 0.0);
@@ -109,7 +100,7 @@ std::vector<std::int8_t> orient(const Samples& samples, const SimplexArray& simp
       first[patch] = sign * sign_of_input_order(samples, simplices[s], arity);
     }
     // With K = D - 1 the volume of the cone over the simplex from the origin.
-    if (ambient_dim == dim || (ambient_dim == dim + 1 && closed[patch] != 0)) {
+    if (ambient_dim == dim || (ambient_dim == dim + 1 && patches.closed[patch] != 0)) {
       const bool cone = ambient_dim > dim;
       for (int i = 0; i < ambient_dim; ++i) {
         const double* p = samples.point(simplices[s][cone ? i : i + 1]);
@@ -216,7 +207,8 @@ ManifoldReconstruction reconstruct_manifold(const Samples& samples,
       build_manifold(samples.knowing(steps.neighborhoods), steps.neighborhoods,
                      steps.tangents, steps.regions, manifold, solver, execution);
   steps.regions = {};
-  const std::vector<std::int8_t> signs = orient(samples, complex.simplices, execution);
+  const std::vector<std::int8_t> signs =
+      orient(samples, complex.simplices, complex.patches);
   result.simplices = to_input(samples, complex.simplices, signs, execution);
   ManifoldReport& report = complex.report;
   for (SimplexArray* simplices : {&report.disputed, &report.filled, &report.open_facets,

@@ -96,19 +96,23 @@ StarSimplices count_votes(const LocalRegions& regions, const Execution& executio
   });
   StarSimplices result;
   result.simplices.arity = regions.dim + 1;
-  std::size_t total = 0;
+  std::vector<Offset> starts(1, 0);
   for (const StarSimplices& block : blocks) {
-    total += block.votes.size();
+    starts.push_back(starts.back() + static_cast<Offset>(block.votes.size()));
   }
-  result.votes.reserve(total);
-  result.simplices.vertices.reserve(total * result.simplices.arity);
-  for (StarSimplices& block : blocks) {
-    result.votes.insert(result.votes.end(), block.votes.begin(), block.votes.end());
-    result.simplices.vertices.insert(result.simplices.vertices.end(),
-                                     block.simplices.vertices.begin(),
-                                     block.simplices.vertices.end());
-    block = {};
-  }
+  result.votes.resize(starts.back());
+  result.simplices.vertices.resize(starts.back() * result.simplices.arity);
+  detail::for_each_block_uncounted(
+      static_cast<Offset>(blocks.size()), 16, execution, [&](Offset begin, Offset end) {
+        for (Offset b = begin; b < end; ++b) {
+          std::copy(blocks[b].votes.begin(), blocks[b].votes.end(),
+                    result.votes.begin() + starts[b]);
+          std::copy(
+              blocks[b].simplices.vertices.begin(), blocks[b].simplices.vertices.end(),
+              result.simplices.vertices.begin() + starts[b] * result.simplices.arity);
+          blocks[b] = {};
+        }
+      });
   return result;
 }
 

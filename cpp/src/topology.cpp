@@ -269,17 +269,12 @@ Patches find_patches(const SimplexArray& simplices, const FaceTable& facets) {
     }
   }
   const OrientedPatches oriented = orient_patches(neighbors, arity);
-  std::vector<std::uint8_t> closed(oriented.sizes.size(), 1);
-  for (std::size_t f = 0; f < neighbors.size(); ++f) {
-    if (neighbors[f] == kOpen) {
-      closed[oriented.patch[f / arity]] = 0;
-    }
-  }
   Patches patches;
-  for (std::size_t p = 0; p < closed.size(); ++p) {
+  for (std::size_t p = 0; p < oriented.sizes.size(); ++p) {
+    const bool closed = oriented.closed[p] != 0;
     const bool orientable = oriented.orientable[p] != 0;
-    patches.closed += closed[p] != 0 ? 1 : 0;
-    patches.closed_orientable += closed[p] != 0 && orientable ? 1 : 0;
+    patches.closed += closed ? 1 : 0;
+    patches.closed_orientable += closed && orientable ? 1 : 0;
     patches.orientable = patches.orientable && orientable;
   }
   return patches;

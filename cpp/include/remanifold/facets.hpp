@@ -7,6 +7,7 @@
 #include "remanifold/types.hpp"
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace remanifold {
@@ -54,7 +55,24 @@ struct OrientedPatches {
   std::vector<std::int8_t> sign;  ///< +1 or -1, alike across facets where possible
   std::vector<Offset> sizes;      ///< simplices of each patch
   std::vector<std::uint8_t> orientable;  ///< of each patch
+  std::vector<std::uint8_t> closed;      ///< of each patch: no facet is open
 };
-OrientedPatches orient_patches(const std::vector<FacetNumber>& neighbors, int arity);
+OrientedPatches orient_patches(const std::vector<FacetNumber>& neighbors, int arity,
+                               const Execution& execution = {});
+
+/// The same for simplices most of which are known with their patches, at the cost of the
+/// others and what is around them.
+/// \param known       rows of which the first `num_known` count and are sorted
+/// \param patches     theirs
+/// \param simplices   sorted rows
+/// \param around      of each sample: all vertices of facets that were open among the
+///                    known, and of simplices that are new
+/// \returns nothing where a known simplex is missing
+std::optional<OrientedPatches> extend_patches(const SimplexArray& known,
+                                              Offset num_known,
+                                              const OrientedPatches& patches,
+                                              const SimplexArray& simplices,
+                                              std::vector<std::uint8_t> around,
+                                              const Execution& execution = {});
 
 }  // namespace remanifold

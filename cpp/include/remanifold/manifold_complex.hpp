@@ -6,6 +6,7 @@
 #pragma once
 
 #include "remanifold/execution.hpp"
+#include "remanifold/facets.hpp"
 #include "remanifold/local_region.hpp"
 #include "remanifold/minimum_chain.hpp"
 #include "remanifold/neighborhoods.hpp"
@@ -63,7 +64,8 @@ struct ManifoldReport {
 };
 
 struct ManifoldComplex {
-  SimplexArray simplices;  ///< columns ascending, rows sorted
+  SimplexArray simplices;   ///< columns ascending, rows sorted
+  OrientedPatches patches;  ///< of the simplices
   ManifoldReport report;
 };
 

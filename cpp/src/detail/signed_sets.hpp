@@ -34,7 +34,6 @@ class SignedSets {
     return true;
   }
 
- private:
   /// The root, and the sign of the node relative to it.
   std::pair<Offset, int> find(Offset node) const {
     int sign = 1;
@@ -45,6 +44,7 @@ class SignedSets {
     return {node, sign};
   }
 
+ private:
   std::vector<Offset> parent_;
   std::vector<std::int8_t> sign_;  // relative to the parent
   std::vector<Offset> count_;
