@@ -377,7 +377,7 @@ std::optional<OrientedPatches> extend_patches(const SimplexArray& known,
                                               Offset num_known,
                                               const OrientedPatches& patches,
                                               const SimplexArray& simplices,
-                                              std::vector<std::uint8_t> around,
+                                              const std::vector<std::uint8_t>& around,
                                               const Execution& execution) {
   const int arity = simplices.arity;
   const Offset count = simplices.size();
@@ -394,9 +394,6 @@ std::optional<OrientedPatches> extend_patches(const SimplexArray& known,
       ++next;
     } else {
       node[s] = static_cast<Index>(num_nodes++);
-      for (int i = 0; i < arity; ++i) {
-        around[simplex[i]] = 1;
-      }
     }
   }
   if (next < num_known) {

@@ -1,21 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "remanifold/local_region.hpp"
 
-#include "detail/convex_hull.hpp"
-#include "detail/convex_hull_2.hpp"
 #include "detail/dispatch.hpp"
 #include "detail/known_distances.hpp"
 #include "detail/parallel.hpp"
-#include "detail/simplex_rows.hpp"
+#include "detail/region.hpp"
 #include "detail/tangent_frames.hpp"
 #include "detail/tolerance.hpp"
 
 #include <Eigen/Core>
-#include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <memory>
 #include <numeric>
@@ -23,13 +19,10 @@
 namespace remanifold {
 namespace {
 
-using detail::ConvexHull;
-
 /// Samples of one task; fewer where each may take seconds.
 constexpr Offset block_size(int dim) { return dim < 4 ? 128 : dim == 4 ? 32 : 1; }
 /// Samples whose coordinates are read together.
 constexpr Offset kGroup = 32;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Beyond this multiple of the neighborhood the region is certified corner by corner
 /// instead of asking for yet more neighbors.
@@ -64,8 +57,9 @@ double hash_to_unit(std::uint64_t key) {
 /// The local regions of one thread, one sample after the other.
 template <int K>
 class RegionKernel {
-  using Vector = Eigen::Matrix<double, K, 1>;
-  using Square = Eigen::Matrix<double, K, K>;
+  using Region = detail::Region<K>;
+  using Vector = typename Region::Vector;
+  using Corner = typename Region::Corner;
 
  public:
   RegionKernel(const Samples& samples, const NeighborSearch& search,
@@ -79,15 +73,15 @@ class RegionKernel {
         dim_(K == Eigen::Dynamic ? tangents.dim : K),
         distances_(samples, neighborhoods),
         query_(search.query(execution)),
-        hull_(K == 2 ? nullptr : detail::make_convex_hull(dim_)),
         first_batch_(4 * dim_),
         ahead_(is_cheap() ? 0 : std::min(neighborhoods.count, typical_count(dim_))),
         largest_weight_(*std::max_element(weights.begin(), weights.end())),
         max_corner_count_(static_cast<Offset>(
             kMaxCornerShare * std::sqrt(static_cast<double>(samples.size())))),
-        end_(samples.size() > detail::kManySamples ? detail::kEndOfRegionAmongMany
-                                                   : detail::kEndOfRegion),
-        joined_(dim_, false) {}
+        region_(dim_,
+                samples.size() > detail::kManySamples ? detail::kEndOfRegionAmongMany
+                                                      : detail::kEndOfRegion,
+                execution) {}
 
   /// Reads the coordinates of the nearest neighbors of a few samples ahead of compute(),
   /// so that large D does not slow down what comes between.
@@ -143,64 +137,12 @@ class RegionKernel {
     neighbors_used_ += static_cast<Offset>(done);
   }
 
-  double squared_radius() const { return squared_radius_; }
-
-  void append_edge_set(std::vector<Index>& out) const {
-    if constexpr (K == 2) {
-      for (const auto& vertex : polygon_.vertices()) {
-        if (!ConvexHull::is_start(vertex.id)) {
-          out.push_back(halfspaces_[vertex.id].sample);
-        }
-      }
-    } else {
-      for (const Index id : hull_->vertices()) {
-        out.push_back(halfspaces_[id].sample);
-      }
-    }
-  }
-
-  /// \returns the number of simplices
-  Offset append_star(std::vector<Index>& out) {
-    rows_.clear();
-    for (const Offset facet : star_facets_) {
-      const auto row = rows_.insert(rows_.end(), dim(), 0);
-      for (int i = 0; i < dim(); ++i) {
-        row[i] = halfspaces_[facets()[facet + i]].sample;
-      }
-      detail::sort_few(row, rows_.end(), std::less<>());
-    }
-    row_starts_.clear();
-    for (auto row = rows_.cbegin(); row != rows_.cend(); row += dim()) {
-      row_starts_.push_back(&*row);
-    }
-    detail::sort_few(
-        row_starts_.begin(), row_starts_.end(),
-        [&](const Index* a, const Index* b) { return detail::row_less(a, b, dim()); });
-    for (const Index* row : row_starts_) {
-      out.insert(out.end(), row, row + dim());
-    }
-    return static_cast<Offset>(star_facets_.size());
-  }
-
+  Region& region() { return region_; }
   Offset neighbors_used() const { return neighbors_used_; }
   Offset vacuous_constraints() const { return vacuous_constraints_; }
   double coordinate_seconds() const { return coordinate_seconds_; }
 
  private:
-  /// <normal, lambda> <= offset
-  struct Halfspace {
-    Vector normal;
-    double offset;
-    Index sample;
-  };
-
-  struct Corner {
-    Vector position;
-    double length;
-    double error;  // of the position, in units of the length
-    bool flat;     // no corner, but a direction without end
-  };
-
   int dim() const { return K == Eigen::Dynamic ? dim_ : K; }
 
   /// Whether coordinates cost so little that they are neither read ahead nor timed.
@@ -208,23 +150,9 @@ class RegionKernel {
     return samples_.has_points() && samples_.ambient_dim() <= kPlainLoopDim;
   }
 
-  /// The facets of the hull, K ids each, in the order of the corners.
-  const std::vector<Index>& facets() const {
-    if constexpr (K == 2) {
-      return facets_;
-    } else {
-      return hull_->facets();
-    }
-  }
-
   void start(Index x) {
     x_ = x;
-    halfspaces_.clear();
-    corners_.clear();
-    star_facets_.clear();
-    squared_radius_ = kInfinity;
-    limit_ = kInfinity;
-    fresh_ = 0;
+    region_.restart();
     list_.assign(neighborhoods_.of(x), neighborhoods_.of(x) + neighborhoods_.count);
     make_room();
     const Index first = (x - ahead_begin_) * ahead_;
@@ -232,11 +160,6 @@ class RegionKernel {
         ahead_coordinates_.middleCols(first, ahead_);
     std::copy_n(ahead_distances_.data() + first, ahead_, squared_distances_.data());
     measured_ = static_cast<std::size_t>(ahead_);
-    if constexpr (K == 2) {
-      polygon_.restart(1 / end_, kInfinity);
-    } else {
-      hull_->restart(dim(), 1 / end_);
-    }
   }
 
   void make_room() {
@@ -272,36 +195,24 @@ class RegionKernel {
   /// security radius reaches.
   /// \returns false where it reaches beyond the list
   bool add_nearest(std::size_t& done) {
-    if constexpr (K == 2) {
-      for (; done < list_.size(); ++done) {
-        measure_list(done + 1);
-        if (squared_distances_[done] > limit_) {
-          update();
-          if (squared_distances_[done] > limit_) {
-            return true;
-          }
-        }
-        add_halfspace(list_[done], squared_distances_[done],
-                      tangent_coordinates_.col(static_cast<Eigen::Index>(done)));
-      }
-      update();
-      return done > 0 && squared_distances_[done - 1] > limit_;
-    }
     std::size_t batch = first_batch_;
     while (done < list_.size()) {
       const std::size_t end = std::min(list_.size(), done + batch);
       measure_list(end);
-      for (; done < end && squared_distances_[done] <= limit_; ++done) {
+      for (; done < end && squared_distances_[done] <= region_.limit(); ++done) {
         add_halfspace(list_[done], squared_distances_[done],
                       tangent_coordinates_.col(static_cast<Eigen::Index>(done)));
       }
-      update();
-      if (done < end) {
+      if (done < end || !Region::kLimitFollows) {
+        region_.update();
+      }
+      if (done < end && squared_distances_[done] > region_.limit()) {
         return true;
       }
       batch += batch / 2;
     }
-    return done > 0 && squared_distances_[done - 1] > limit_;
+    region_.update();
+    return done > 0 && squared_distances_[done - 1] > region_.limit();
   }
 
   /// \returns the squared distance
@@ -408,192 +319,7 @@ class RegionKernel {
       return;
     }
     const double offset = (squared_distance + weights_[x_] - weights_[q]) / 2;
-    if (K != 2 && is_redundant(normal, offset)) {
-      return;
-    }
-    execution_.poll();  // in high dimensions a hull takes seconds
-    const Vector dual = normal / offset;
-    const auto id = static_cast<Index>(halfspaces_.size());
-    halfspaces_.push_back({normal, offset, q});
-    if constexpr (K == 2) {
-      if (!polygon_.insert({dual[0], dual[1]}, id,
-                           [&](Index a, Index b) { return squared_length(a, b); })) {
-        halfspaces_.pop_back();
-        return;
-      }
-      limit_ = 0;
-      for (const auto& vertex : polygon_.vertices()) {
-        limit_ = std::max(limit_, security_radius(vertex.value));
-      }
-    } else {
-      hull_->insert(dual.data(), id);
-    }
-    ++fresh_;
-  }
-
-  /// Certainly cuts nothing off the region as of the last update.
-  bool is_redundant(const Vector& normal, double offset) const {
-    const double length = normal.norm();
-    for (const Corner& corner : corners_) {
-      const double slack = std::max(detail::kRedundantSlack, corner.error) *
-                           (length * corner.length + offset);
-      if (!(normal.dot(corner.position) <= offset - slack)) {
-        return false;
-      }
-    }
-    return !corners_.empty();
-  }
-
-  /// Corners of the region from the facets of the hull.
-  void update() {
-    if (fresh_ == 0) {
-      return;
-    }
-    fresh_ = 0;
-    corners_.clear();
-    star_facets_.clear();
-    if constexpr (K == 2) {
-      facets_.clear();
-      const auto& vertices = polygon_.vertices();
-      for (std::size_t i = 0; i < vertices.size(); ++i) {
-        const Index next = vertices[i + 1 == vertices.size() ? 0 : i + 1].id;
-        corners_.push_back(corner_of(vertices[i].id, next));
-        facets_.push_back(vertices[i].id);
-        facets_.push_back(next);
-      }
-    } else {
-      hull_->update();
-      for (auto facet = facets().begin(); facet != facets().end(); facet += dim()) {
-        execution_.poll();
-        corners_.push_back(corner_of(&*facet));
-      }
-    }
-    double radius = 0;
-    bool bounded = true;
-    for (std::size_t c = 0; c < corners_.size(); ++c) {
-      const auto first = static_cast<Offset>(c) * dim();
-      const Index* facet = facets().data() + first;
-      if (corners_[c].flat || std::any_of(facet, facet + dim(), ConvexHull::is_start)) {
-        bounded = false;
-      } else {
-        radius = std::max(radius, corners_[c].length);
-        star_facets_.push_back(first);
-      }
-    }
-    squared_radius_ = bounded ? radius * radius : kInfinity;
-    limit_ = security_radius(squared_radius_);
-  }
-
-  /// Squared distance beyond which no sample cuts off a corner.
-  static double security_radius(double squared_length) {
-    return 4 * (1 + detail::kSecuritySlack) * squared_length;
-  }
-
-  /// The plane's: normal and offset of the line of an id.
-  double line_of(Index id, Vector& normal) const {
-    if (!ConvexHull::is_start(id)) {
-      normal = halfspaces_[id].normal;
-      return halfspaces_[id].offset;
-    }
-    for (int axis = 0; axis < 2; ++axis) {
-      normal[axis] =
-          ConvexHull::start_coordinate(2, ConvexHull::start_vertex(id), axis);
-    }
-    return end_;
-  }
-
-  /// Of the corner where two lines of the plane meet; none at the end of the region.
-  double squared_length(Index a, Index b) const {
-    if (ConvexHull::is_start(a) || ConvexHull::is_start(b)) {
-      return kInfinity;
-    }
-    const Halfspace& p = halfspaces_[a];
-    const Halfspace& q = halfspaces_[b];
-    const double determinant = p.normal[0] * q.normal[1] - p.normal[1] * q.normal[0];
-    return (p.offset * q.normal - q.offset * p.normal).squaredNorm() /
-           (determinant * determinant);
-  }
-
-  Corner corner_of(Index a, Index b) const {
-    Vector p;
-    Vector q;
-    const double p_offset = line_of(a, p);
-    const double q_offset = line_of(b, q);
-    const double determinant = p[0] * q[1] - p[1] * q[0];
-    const double pp = p.squaredNorm();
-    const double qq = q.squaredNorm();
-    const double pq = (p - q).squaredNorm();
-    const double tree = std::min({pp * qq, pp * pq, qq * pq});
-    Corner corner;
-    corner.position =
-        Vector(p_offset * q[1] - q_offset * p[1], p[0] * q_offset - q[0] * p_offset) /
-        determinant;
-    corner.length = corner.position.norm();
-    corner.error = detail::kCornerError * std::sqrt(pp * qq) / std::abs(determinant);
-    corner.flat =
-        determinant * determinant < detail::kFlatSimplex * detail::kFlatSimplex * tree;
-    return corner;
-  }
-
-  Corner corner_of(const Index* facet) const {
-    Square normals(dim(), dim());
-    Vector offsets(dim());
-    double lengths = 1;
-    for (int i = 0; i < dim(); ++i) {
-      const Index id = facet[i];
-      if (ConvexHull::is_start(id)) {
-        for (int axis = 0; axis < dim(); ++axis) {
-          normals(i, axis) =
-              ConvexHull::start_coordinate(dim(), ConvexHull::start_vertex(id), axis);
-        }
-        offsets[i] = end_;
-      } else {
-        normals.row(i) = halfspaces_[id].normal.transpose();
-        offsets[i] = halfspaces_[id].offset;
-      }
-    }
-    const double tree = shortest_tree(normals);
-    for (int i = 0; i < dim(); ++i) {
-      const double length = normals.row(i).norm();
-      normals.row(i) /= length;
-      offsets[i] /= length;
-      lengths *= length;
-    }
-    const Eigen::PartialPivLU<Square> factors(normals);
-    const double volume = std::abs(factors.determinant());
-    Corner corner{factors.solve(offsets), 0, detail::kCornerError / volume,
-                  volume * lengths < detail::kFlatSimplex * tree};
-    corner.length = corner.position.norm();
-    return corner;
-  }
-
-  /// Product of the edges of the shortest tree on the origin and the rows.
-  double shortest_tree(const Square& rows) const {
-    if (dim() == 1) {
-      return std::abs(rows(0, 0));
-    }
-    Vector distance = rows.rowwise().squaredNorm();
-    double product = 1;
-    for (int joined = 0; joined < dim(); ++joined) {
-      int next = 0;
-      const double nearest = distance.minCoeff(&next);
-      product *= nearest;
-      for (int i = 0; i < dim(); ++i) {
-        distance[i] =
-            i == next
-                ? kInfinity
-                : std::min(distance[i], (rows.row(i) - rows.row(next)).squaredNorm());
-      }
-      // Those that have joined stay out.
-      joined_[next] = true;
-      for (int i = 0; i < dim(); ++i) {
-        if (joined_[i]) {
-          distance[i] = kInfinity;
-        }
-      }
-    }
-    std::fill(joined_.begin(), joined_.end(), false);
-    return std::sqrt(product);
+    region_.insert(normal, offset, q);
   }
 
   /// Cuts by the samples nearest to each corner until no corner is nearer to a sample than
@@ -602,9 +328,9 @@ class RegionKernel {
   /// \returns false where it is better to go through all samples: the search knows no
   /// positions, a corner is too far, or too many samples are as far from it as x
   bool certify_corners() {
-    update();
+    region_.update();
     seen_.resize(samples_.size(), -1);
-    for (const Halfspace& known : halfspaces_) {
+    for (const auto& known : region_.halfspaces()) {
       seen_[known.sample] = x_;
     }
     certified_.clear();
@@ -612,21 +338,22 @@ class RegionKernel {
     // Corners of the simplex at which regions are cut off are a few times as far.
     const double farthest = 10 * dim() * detail::kEndOfRegionAmongMany;
     do {
-      update();
-      for (std::size_t c = 0; c < corners_.size(); ++c) {
+      region_.update();
+      for (std::size_t c = 0; c < region_.corners().size(); ++c) {
         execution_.poll();
-        const Index* facet = facets().data() + c * dim();
+        const Index* facet = region_.facet(c);
         if (is_certified(facet)) {
           continue;
         }
-        if (!(corners_[c].length < farthest) || !cut_corner(corners_[c])) {
+        const Corner& corner = region_.corners()[c];
+        if (!(corner.length < farthest) || !cut_corner(corner)) {
           return false;
         }
-        if (fresh_ == 0) {
+        if (region_.fresh() == 0) {
           certified_.insert(certified_.end(), facet, facet + dim());
         }
       }
-    } while (fresh_ > 0);
+    } while (region_.fresh() > 0);
     return true;
   }
 
@@ -656,7 +383,7 @@ class RegionKernel {
                 frame.transpose() * corner.position;
     const double squared_radius =
         (1 + 4 * corner.error) * corner.length * corner.length + largest_weight_;
-    const int fresh_before = fresh_;
+    const int fresh_before = region_.fresh();
     for (; corner_count_ <= max_corner_count_; corner_count_ *= 2) {
       const Offset count = std::min<Offset>(corner_count_, samples_.size());
       if (!nearest_to_position(static_cast<Index>(count), squared_radius)) {
@@ -674,7 +401,7 @@ class RegionKernel {
       if (static_cast<Offset>(grown_.size()) < count || count == samples_.size()) {
         return true;
       }
-      if (fresh_ > fresh_before) {
+      if (region_.fresh() > fresh_before) {
         corner_count_ *= 2;  // where many are as far as x, a few at a time lead nowhere
         return true;
       }
@@ -684,7 +411,7 @@ class RegionKernel {
 
   void nearest(Index count) {
     const detail::Timed timed(coordinate_seconds_);
-    query_->nearest(x_, count, limit_, grown_);
+    query_->nearest(x_, count, region_.limit(), grown_);
   }
 
   bool nearest_to_position(Index count, double squared_radius) {
@@ -702,16 +429,16 @@ class RegionKernel {
       measured_ = 0;
       measure_list(list_.size());
       for (std::size_t i = 0; i < list_.size(); ++i) {
-        if (list_[i] != x_ && squared_distances_[i] <= limit_) {
+        if (list_[i] != x_ && squared_distances_[i] <= region_.limit()) {
           add_halfspace(list_[i], squared_distances_[i],
                         tangent_coordinates_.col(static_cast<Eigen::Index>(i)));
-          if (fresh_ == kScanBatch) {
-            update();
+          if (region_.fresh() == kScanBatch) {
+            region_.update();
           }
         }
       }
     }
-    update();
+    region_.update();
     neighbors_used_ += n - 1;
   }
 
@@ -725,9 +452,6 @@ class RegionKernel {
   int dim_;
   detail::KnownDistances distances_;
   std::unique_ptr<NeighborSearch::Query> query_;
-  std::unique_ptr<ConvexHull> hull_;  // K other than 2
-  detail::HullPolygon polygon_;       // K = 2
-  std::vector<Index> facets_;         // of the polygon
   std::size_t first_batch_;
   Index ahead_;  // neighbors read ahead of each sample
 
@@ -750,18 +474,7 @@ class RegionKernel {
   detail::RowMatrix frame_;  // of that sample, where tangent spaces have coefficients
   Eigen::VectorXd position_;
 
-  double end_;                        // where regions without end are cut off
-  mutable std::vector<bool> joined_;  // scratch of shortest_tree
-  std::vector<Halfspace> halfspaces_;
-  std::vector<Corner> corners_;
-  std::vector<Offset>
-      star_facets_;          // facets that are dual to a corner, in the hull's list
-  std::vector<Index> rows_;  // of the star
-  std::vector<const Index*> row_starts_;
-  double squared_radius_ = kInfinity;
-  double limit_ = kInfinity;  // squared distance beyond which no sample cuts
-  int fresh_ = 0;             // halfspaces inserted since the last update
-
+  Region region_;
   Offset neighbors_used_ = 0;
   Offset vacuous_constraints_ = 0;
   double coordinate_seconds_ = 0;
@@ -809,12 +522,12 @@ void compute_all(const Samples& samples, const NeighborSearch& search,
       }
       kernel.compute(static_cast<Index>(i));
       const std::size_t before = block.edge_sets.size();
-      kernel.append_edge_set(block.edge_sets);
+      kernel.region().append_edge_set(block.edge_sets);
       std::sort(block.edge_sets.begin() + static_cast<Offset>(before),
                 block.edge_sets.end());
       edge_counts[i + 1] = static_cast<Offset>(block.edge_sets.size() - before);
-      star_counts[i + 1] = kernel.append_star(block.stars);
-      result.squared_radii[i] = kernel.squared_radius();
+      star_counts[i + 1] = kernel.region().append_star(block.stars);
+      result.squared_radii[i] = kernel.region().squared_radius();
     }
   });
   for (const Kernel& kernel : kernels) {

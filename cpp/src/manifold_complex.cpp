@@ -368,9 +368,7 @@ class ManifoldBuilder {
                         result_.simplices, execution_);
     report.inserted = std::move(insertion.inserted);
     report.outliers = std::move(insertion.outliers);
-    for (const Index v : report.inserted) {
-      unsettled_[v] = 1;
-    }
+    unsettle_changed();
     list_filled();
     // Around what was inserted, links have changed as well.
     std::vector<std::uint8_t> marked = unsettled_;
@@ -396,6 +394,30 @@ class ManifoldBuilder {
       }
     }
     orient_result();
+  }
+
+  /// Repairs reach beyond the samples that were unsettled.
+  void unsettle_changed() {
+    const auto mark = [&](const Index* simplex) {
+      for (int i = 0; i < arity_; ++i) {
+        unsettled_[simplex[i]] = 1;
+      }
+    };
+    Offset a = 0;  // agreed simplices are sorted as well
+    for (Offset s = 0; s < result_.simplices.size(); ++s) {
+      const Index* simplex = result_.simplices[s];
+      for (; a < num_agreed_ && detail::row_less(fixed_[a], simplex, arity_); ++a) {
+        mark(fixed_[a]);
+      }
+      if (a < num_agreed_ && detail::row_equal(fixed_[a], simplex, arity_)) {
+        ++a;
+      } else {
+        mark(simplex);
+      }
+    }
+    for (; a < num_agreed_; ++a) {
+      mark(fixed_[a]);
+    }
   }
 
   /// The patches of the agreed simplices stay connected as long as all are there.

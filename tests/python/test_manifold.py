@@ -26,6 +26,7 @@ BENCHMARKS = Path(__file__).resolve().parents[2] / "benchmarks"
 sys.path.insert(0, str(BENCHMARKS))
 
 import success_rates
+from samples import add_normal_noise
 
 
 def rows(simplices):
@@ -155,8 +156,8 @@ def test_shapes_are_right(name, seed):
 @pytest.mark.parametrize("noise", [0.1, 0.25])
 def test_noise_along_the_normals(noise):
     torus = SHAPES["torus"]
-    task = success_rates.Task(success_rates.NOISY, 1500, 0, "manifold", noise=noise)
-    points = success_rates.add_normal_noise(task.row.draw(1500, 0), task)
+    draw = success_rates.NOISY.draw
+    points = add_normal_noise(draw(1500, 0), 2, noise, 0, draw)
     rec = rm.reconstruct(points, 2)
     assert judge(rec, torus) == []
     assert_report_is_true(rec)

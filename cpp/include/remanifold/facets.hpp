@@ -72,7 +72,7 @@ std::optional<OrientedPatches> extend_patches(const SimplexArray& known,
                                               Offset num_known,
                                               const OrientedPatches& patches,
                                               const SimplexArray& simplices,
-                                              std::vector<std::uint8_t> around,
+                                              const std::vector<std::uint8_t>& around,
                                               const Execution& execution = {});
 
 }  // namespace remanifold

@@ -67,8 +67,8 @@ class HullPolygon {
     std::size_t visible = n;  // an edge that has the point on its outer side
     for (std::size_t i = 0; i < n; ++i) {
       const Vertex& next = vertices_[i + 1 == n ? 0 : i + 1];
-      signs_[i] = static_cast<std::int8_t>(
-          orientation(vertices_[i].point, next.point, point));
+      signs_[i] =
+          static_cast<std::int8_t>(orientation(vertices_[i].point, next.point, point));
       visible = signs_[i] < 0 ? i : visible;
     }
     if (visible == n) {

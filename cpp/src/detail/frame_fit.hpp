@@ -47,8 +47,8 @@ class FrameFit {
     for (Eigen::Index i = 0; i < size; ++i) {
       mean_[i] = sum(vectors_.col(i)) / members;
       for (Eigen::Index j = 0; j <= i; ++j) {
-        covariance_(i, j) = covariance_(j, i) = dot(vectors_.col(i), vectors_.col(j)) -
-                                                members * mean_[i] * mean_[j];
+        covariance_(i, j) = covariance_(j, i) =
+            dot(vectors_.col(i), vectors_.col(j)) - members * mean_[i] * mean_[j];
       }
     }
     decompose_covariance(rough);
@@ -89,20 +89,21 @@ class FrameFit {
 
  private:
   static constexpr int kLanes = 4;
-  static constexpr double kRough = 1e-4;
+  static constexpr double kGap = 1e-3;
   static constexpr int kUnknowns =
       K == Eigen::Dynamic ? Eigen::Dynamic : K + K * (K + 1) / 2;
   using Columns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic>;
 
   int dim() const { return K == Eigen::Dynamic ? dim_ : K; }
 
-  /// The closed form loses digits where eigenvalues are close to each other or small.
+  /// The closed form loses digits where eigenvalues are close to each other: it has to tell
+  /// tangents from normals.
   void decompose_covariance(bool rough) {
     if constexpr (D == 3) {
       if (rough) {
         eigen_.computeDirect(covariance_);
         const auto& values = eigen_.eigenvalues();
-        if (values[2 - dim() + 1] > kRough * values[2]) {
+        if (values[3 - dim()] - values[2 - dim()] > kGap * values[2]) {
           return;
         }
       }
