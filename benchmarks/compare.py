@@ -19,17 +19,13 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from command import make_app
 from peers import OWN, PEERS
 from report import CPU_HELP, load, median
 
 KEY = ("shape", "num_samples", "order", "noise", "seed")
 
-app = typer.Typer(
-    add_completion=False,
-    pretty_exceptions_enable=False,
-    rich_markup_mode=None,
-    context_settings={"help_option_names": ["-h", "--help"]},
-)
+app = make_app()
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from typing import Annotated, Any
 import matplotlib as mpl
 import typer
 
+from command import make_app
 from peers import PEERS
 from report import CPU_HELP, load, median, title_of
 
@@ -34,12 +35,7 @@ STYLES = {
     "pymeshlab_ball_pivoting": ("#CC79A7", "X", "-"),
 }
 
-app = typer.Typer(
-    add_completion=False,
-    pretty_exceptions_enable=False,
-    rich_markup_mode=None,
-    context_settings={"help_option_names": ["-h", "--help"]},
-)
+app = make_app()
 
 
 def curves(cases: list[dict[str, Any]], field: str) -> dict[str, list[Any]]:

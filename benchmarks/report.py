@@ -23,6 +23,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from command import make_app
 from peers import PEERS, UNIT
 
 HEADS = ("", "samples", "seconds", "min to max", "× FLANN", "bytes a sample", "result")
@@ -34,12 +35,7 @@ REASONS = 2  # that a table has room for
 WIDTH = 160  # where there is no terminal
 BEGIN, END = "<!-- side by side -->", "<!-- end of side by side -->"
 
-app = typer.Typer(
-    add_completion=False,
-    pretty_exceptions_enable=False,
-    rich_markup_mode=None,
-    context_settings={"help_option_names": ["-h", "--help"]},
-)
+app = make_app()
 
 
 def load(file: Path, cpu: bool = False) -> dict[str, Any]:

@@ -35,6 +35,7 @@ import typer
 from rich.console import Console
 
 import remanifold as rm
+from command import make_app
 from judge import judge
 from peers import PEERS, UNIT, UNIT_MAX_AMBIENT_DIM, Options
 from processes import Failure, run_all, run_command
@@ -75,12 +76,7 @@ SAMPLES = {
 }
 ELSE_SAMPLES = (10_000,)
 
-app = typer.Typer(
-    add_completion=False,
-    pretty_exceptions_enable=False,
-    rich_markup_mode=None,
-    context_settings={"help_option_names": ["-h", "--help"]},
-)
+app = make_app()
 
 
 # ------------------------------------------------------------------------- cases

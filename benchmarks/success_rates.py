@@ -33,6 +33,7 @@ from rich.console import Console
 from rich.table import Table
 
 import remanifold as rm
+from command import make_app
 from judge import judge
 from peers import PERTURBATION, tangential_complex, top_simplices
 from processes import Failure, run_all
@@ -102,12 +103,7 @@ GRIDS = (
 )
 NOISY = Row("torus in R^3", "torus", 3000)
 
-app = typer.Typer(
-    add_completion=False,
-    pretty_exceptions_enable=False,
-    rich_markup_mode=None,
-    context_settings={"help_option_names": ["-h", "--help"]},
-)
+app = make_app()
 
 
 # -------------------------------------------------------------- one reconstruction
