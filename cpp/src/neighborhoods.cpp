@@ -128,7 +128,7 @@ class NearestSet final : public flann::ResultSet<double> {
   std::vector<Neighbor>* list_ = nullptr;
 };
 
-/// All samples of a ball.
+/// All samples of a ball, as long as they are not too many.
 class Ball final : public flann::ResultSet<double> {
  public:
   explicit Ball(detail::SharedCandidates& candidates)
@@ -136,7 +136,9 @@ class Ball final : public flann::ResultSet<double> {
   bool full() const override { return true; }
   double worstDist() const override { return squared_radius_; }
   void addPoint(double /*squared_distance*/, std::size_t index) override {
-    candidates_.add(static_cast<Index>(index));
+    if (!candidates_.add(static_cast<Index>(index))) {
+      squared_radius_ = -1;  // ends the search
+    }
   }
 
  private:
@@ -190,7 +192,7 @@ class FlannSearch final : public NeighborSearch::Implementation {
                           samples.ambient_dim() <= kFewCoordinates &&
                           squared_radius == std::numeric_limits<double>::infinity();
       if (shared) {
-        if (!shared_.contains(x) && shared_.gather(x, end_)) {
+        if (!shared_.contains(x) && shared_.gather(x, end_, count)) {
           Ball ball(shared_);
           search_.index_.findNeighbors(ball, shared_.center(),
                                        search_.search_parameters_);

@@ -30,6 +30,7 @@ class SharedCandidates {
   void begin() {
     last_ = first_ = 0;
     reach_ = 0;
+    crowded_ = false;
   }
   /// Tells how far the neighbors of a sample reach.
   void observe(double squared_reach) {
@@ -41,11 +42,12 @@ class SharedCandidates {
 
   /// Makes samples from x on the members, as many before `end` as lie close together.
   /// \returns false where that is x alone, or nothing is known of their neighbors
-  bool gather(Index x, Index end) {
+  bool gather(Index x, Index end, Index count) {
     first_ = last_ = x;
-    if (!(reach_ > 0)) {
+    if (!(reach_ > 0) || crowded_) {
       return false;
     }
+    most_ = kMostPerNeighbor * static_cast<std::size_t>(count);
     const auto dim = low_.size();
     const double most = kMaxSpread * reach_;
     end = std::min(end, x + kMaxMembers);
@@ -85,12 +87,20 @@ class SharedCandidates {
   /// The ball to be searched, after gather().
   const double* center() const { return center_.data(); }
   double squared_radius() const { return radius_ * radius_; }
-  void add(Index sample) {
+  /// \returns false where the ball holds too many to be of use: where it reaches from few
+  /// samples into many, or has too many dimensions. Nothing is shared then until begin().
+  bool add(Index sample) {
+    if (candidates_.size() == most_) {
+      crowded_ = true;
+      last_ = first_;
+      return false;
+    }
     candidates_.push_back(sample);
     const double* p = samples_.point(sample);
     for (std::size_t j = 0; j < coordinates_.size(); ++j) {
       coordinates_[j].push_back(p[j]);
     }
+    return true;
   }
 
   /// The `count` nearest others of a member, in order.
@@ -120,6 +130,7 @@ class SharedCandidates {
   static constexpr double kMargin = 1.25;    // of the ball beyond the members, likewise
   static constexpr double kLikely = 1.2;     // reach of most members, likewise
   static constexpr double kAdapt = 0.125;
+  static constexpr std::size_t kMostPerNeighbor = 20;
   static constexpr std::size_t kLanes = 4;
 
   /// As detail::squared_distance() sums in few coordinates.
@@ -197,6 +208,8 @@ class SharedCandidates {
   Index last_ = 0;
   double reach_ = 0;  // of neighborhoods, as seen lately
   double radius_ = 0;
+  std::size_t most_ = 0;  // candidates
+  bool crowded_ = false;
   std::vector<double> low_;
   std::vector<double> high_;
   std::vector<double> center_;
