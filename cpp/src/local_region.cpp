@@ -155,10 +155,12 @@ class RegionKernel {
     region_.restart();
     list_.assign(neighborhoods_.of(x), neighborhoods_.of(x) + neighborhoods_.count);
     make_room();
-    const Index first = (x - ahead_begin_) * ahead_;
-    tangent_coordinates_.leftCols(ahead_) =
-        ahead_coordinates_.middleCols(first, ahead_);
-    std::copy_n(ahead_distances_.data() + first, ahead_, squared_distances_.data());
+    if (ahead_ > 0) {
+      const Index first = (x - ahead_begin_) * ahead_;
+      tangent_coordinates_.leftCols(ahead_) =
+          ahead_coordinates_.middleCols(first, ahead_);
+      std::copy_n(ahead_distances_.data() + first, ahead_, squared_distances_.data());
+    }
     measured_ = static_cast<std::size_t>(ahead_);
   }
 
