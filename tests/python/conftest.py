@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Versions in the report header, and the optional development data."""
+"""Versions in the report header, Ctrl-C, and the optional development data."""
 
 import os
 import platform
+import signal
 from importlib import metadata
 from pathlib import Path
 
@@ -10,6 +11,9 @@ import pytest
 
 PACKAGES = ("remanifold", "numpy", "scipy", "gudhi", "hypothesis")
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
+
+# A background job of a script starts with Ctrl-C ignored, and so would its children.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def version(package: str) -> str:
