@@ -166,14 +166,7 @@ def check_boundary(boundary: Any, num_samples: int) -> tuple[str, NDArray[np.boo
     if isinstance(boundary, (str, bool, np.bool_)) or boundary is None:
         msg = f'boundary is {boundary!r}, expected "auto", False or a mask'
         raise ValueError(msg)
-    mask = _as_array(boundary, "boundary")
-    if mask.shape != (num_samples,) or mask.dtype != np.bool_:
-        msg = (
-            f"boundary must be a bool array of shape ({num_samples},), got shape "
-            f"{mask.shape} and dtype {mask.dtype}"
-        )
-        raise ValueError(msg)
-    return "given", np.ascontiguousarray(mask)
+    return "given", _check_mask(boundary, "boundary", num_samples)
 
 
 def check_index_array(
@@ -249,14 +242,7 @@ def check_bases(
         raise ValueError(msg)
     missing = np.isnan(array).any(axis=(1, 2))
     if boundary is not None:
-        marked = _as_array(boundary, "boundary")
-        if marked.shape != (num_samples,) or marked.dtype != np.bool_:
-            msg = (
-                f"boundary must be a bool array of shape ({num_samples},), got shape "
-                f"{marked.shape} and dtype {marked.dtype}"
-            )
-            raise ValueError(msg)
-        missing = missing | marked
+        missing = missing | _check_mask(boundary, "boundary", num_samples)
     kept = array[~missing]
     # Far too long rows must not overflow before they are refused.
     clipped = np.clip(kept, -2, 2)
@@ -287,6 +273,17 @@ def _as_array(values: Any, name: str) -> NDArray[Any]:
             msg = f"{entry} is masked; fill or remove masked entries first"
             raise ValueError(msg)
     return array
+
+
+def _check_mask(values: Any, name: str, size: int) -> NDArray[np.bool_]:
+    array = _as_array(values, name)
+    if array.shape != (size,) or array.dtype != np.bool_:
+        msg = (
+            f"{name} must be a bool array of shape ({size},), got shape {array.shape} "
+            f"and dtype {array.dtype}"
+        )
+        raise ValueError(msg)
+    return np.ascontiguousarray(array)
 
 
 def _as_float(values: Any, name: str) -> NDArray[np.float64]:
