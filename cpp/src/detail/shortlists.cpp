@@ -208,15 +208,14 @@ class Products {
 
   /// Whether a few rows, evenly spread, have short lists.
   bool probe() {
-    const AlignedArray<T> products(kPanel * padded_);
+    AlignedArray<T> products(kPanel * padded_);
     const Offset probes = std::min(kProbeRows / kPanel, padded_ / kPanel);
     std::vector<Index> list;
     std::vector<Index> sizes(n_);
     for (Offset p = 0; p < probes; ++p) {
       const Offset begin = p * (padded_ / kPanel) / probes * kPanel;
-      T* out = const_cast<T*>(products.data());
-      multiply(begin, begin + kPanel, 0, padded_, out, padded_);
-      list_rows(begin, std::min(n_, begin + kPanel), out, sizes, list);
+      multiply(begin, begin + kPanel, 0, padded_, products.data(), padded_);
+      list_rows(begin, std::min(n_, begin + kPanel), products.data(), sizes, list);
     }
     const bool short_lists = long_lists_ <= probes * kPanel / 8;
     long_lists_ = 0;
