@@ -205,49 +205,6 @@ namespace {
 /// Simplices of one task.
 constexpr Offset kPatchBlock = 1 << 15;
 
-/// Disjoint sets of simplices with signs, as in detail::SignedSets, but rooted at the first
-/// of each, so that a parent always comes before its children.
-class SimplexForest {
- public:
-  explicit SimplexForest(Offset size) : parent_(size), sign_(size, 1) {
-    std::iota(parent_.begin(), parent_.end(), Offset{0});
-  }
-
-  /// Touches what lies between the roots and the two only.
-  bool join(Offset a, Offset b, int product) {
-    const auto [root_a, sign_a] = find(a);
-    const auto [root_b, sign_b] = find(b);
-    if (root_a == root_b) {
-      return sign_a * sign_b == product;
-    }
-    const Offset child = std::max(root_a, root_b);
-    parent_[child] = std::min(root_a, root_b);
-    sign_[child] = static_cast<std::int8_t>(sign_a * sign_b * product);
-    return true;
-  }
-
-  Offset parent(Offset s) const { return parent_[s]; }
-  std::int8_t sign(Offset s) const { return sign_[s]; }
-
- private:
-  std::pair<Offset, int> find(Offset s) {
-    int sign = 1;
-    while (parent_[s] != s) {
-      const Offset parent = parent_[s];
-      if (parent_[parent] != parent) {
-        sign_[s] = static_cast<std::int8_t>(sign_[s] * sign_[parent]);
-        parent_[s] = parent_[parent];
-      }
-      sign *= sign_[s];
-      s = parent_[s];
-    }
-    return {s, sign};
-  }
-
-  std::vector<Offset> parent_;
-  std::vector<std::int8_t> sign_;  // relative to the parent
-};
-
 /// Blocks of simplices each on their own, then across blocks. Divisions by a number known
 /// to the compiler are what this costs least with.
 /// \returns nothing where some patch has no orientation
@@ -256,14 +213,14 @@ std::optional<OrientedPatches> orient_all(const std::vector<FacetNumber>& neighb
                                           int dim, const Execution& execution) {
   const int arity = (K == Eigen::Dynamic ? dim : K) + 1;
   const Offset count = static_cast<Offset>(neighbors.size()) / arity;
-  SimplexForest forest(count);
+  detail::SignedSets sets(count);
   struct Block {
     std::vector<FacetNumber> across;
     bool orientable = true;
   };
   std::vector<Block> blocks((count + kPatchBlock - 1) / kPatchBlock);
   const auto join = [&](FacetNumber a, FacetNumber b) {
-    return forest.join(a / arity, b / arity, flips_across(a, b, arity) ? -1 : 1);
+    return sets.join(a / arity, b / arity, flips_across(a, b, arity) ? -1 : 1);
   };
   detail::for_each_block_uncounted(
       count, kPatchBlock, execution, [&](Offset begin, Offset end) {
@@ -290,7 +247,7 @@ std::optional<OrientedPatches> orient_all(const std::vector<FacetNumber>& neighb
   result.patch.resize(count);
   result.sign.resize(count);
   for (Offset s = 0; s < count; ++s) {
-    const Offset parent = forest.parent(s);
+    const Offset parent = sets.parent(s);
     if (parent == s) {
       result.patch[s] = static_cast<Index>(result.sizes.size());
       result.sign[s] = 1;
@@ -298,7 +255,7 @@ std::optional<OrientedPatches> orient_all(const std::vector<FacetNumber>& neighb
       result.closed.push_back(1);
     } else {
       result.patch[s] = result.patch[parent];
-      result.sign[s] = static_cast<std::int8_t>(forest.sign(s) * result.sign[parent]);
+      result.sign[s] = static_cast<std::int8_t>(sets.sign(s) * result.sign[parent]);
     }
     ++result.sizes[result.patch[s]];
     for (FacetNumber f = s * arity; f < (s + 1) * arity; ++f) {
