@@ -19,39 +19,6 @@ Index facet_vertex(const Index* simplex, int i, int j) {
   return simplex[j < i ? j : j + 1];
 }
 
-/// The rows of an array by the vertex in one column; rows in that order are not copied.
-class Buckets {
- public:
-  Buckets(const SimplexArray& simplices, int column, Index num_vertices)
-      : starts_(static_cast<std::size_t>(num_vertices) + 1, 0) {
-    bool sorted = true;
-    Index last = 0;
-    for (Offset s = 0; s < simplices.size(); ++s) {
-      const Index v = simplices[s][column];
-      sorted = sorted && v >= last;
-      last = v;
-      ++starts_[v + 1];
-    }
-    std::partial_sum(starts_.begin(), starts_.end(), starts_.begin());
-    if (sorted) {
-      return;
-    }
-    rows_.resize(simplices.size());
-    std::vector<Offset> next(starts_.begin(), starts_.end() - 1);
-    for (Offset s = 0; s < simplices.size(); ++s) {
-      rows_[next[simplices[s][column]]++] = s;
-    }
-  }
-
-  Offset begin(Offset v) const { return starts_[v]; }
-  Offset end(Offset v) const { return starts_[v + 1]; }
-  Offset row(Offset i) const { return rows_.empty() ? i : rows_[i]; }
-
- private:
-  std::vector<Offset> starts_;
-  std::vector<Offset> rows_;
-};
-
 struct Entry {
   Index second;  // vertex of the facet
   FacetNumber facet;
@@ -68,8 +35,8 @@ void sort_facets(const SimplexArray& simplices, Index num_vertices,
   };
   // Buckets by the lowest vertex, then each sorted on its own, most by the second alone.
   // A facet's lowest vertex is the first of its simplex or, without that, the second.
-  const Buckets by_first(simplices, 0, num_vertices);
-  const Buckets by_second(simplices, 1, num_vertices);
+  const detail::Buckets by_first(simplices, 0, num_vertices);
+  const detail::Buckets by_second(simplices, 1, num_vertices);
   const auto compare = [&](const Entry& a, const Entry& b) {
     if (a.second != b.second) {
       return a.second < b.second ? -1 : 1;

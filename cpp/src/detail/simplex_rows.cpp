@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace remanifold::detail {
 
@@ -14,11 +15,39 @@ constexpr Offset kBlock = 4096;
 
 }  // namespace
 
+Buckets::Buckets(const SimplexArray& simplices, int column, Index num_vertices)
+    : starts_(static_cast<std::size_t>(num_vertices) + 1, 0) {
+  bool sorted = true;
+  Index last = 0;
+  for (Offset s = 0; s < simplices.size(); ++s) {
+    const Index v = simplices[s][column];
+    sorted = sorted && v >= last;
+    last = v;
+    ++starts_[v + 1];
+  }
+  std::partial_sum(starts_.begin(), starts_.end(), starts_.begin());
+  if (sorted) {
+    return;
+  }
+  rows_.resize(simplices.size());
+  std::vector<Offset> next(starts_.begin(), starts_.end() - 1);
+  for (Offset s = 0; s < simplices.size(); ++s) {
+    rows_[next[simplices[s][column]]++] = s;
+  }
+}
+
+std::vector<Offset> Buckets::take_rows() {
+  if (rows_.empty()) {
+    rows_.resize(starts_.back());
+    std::iota(rows_.begin(), rows_.end(), Offset{0});
+  }
+  return std::move(rows_);
+}
+
 std::vector<Offset> row_order(const SimplexArray& simplices,
                               const Execution& execution) {
   const int arity = simplices.arity;
   const Offset count = simplices.size();
-  std::vector<Offset> order(count);
   const auto less = [&](Offset a, Offset b) {
     return row_less(simplices[a] + 1, simplices[b] + 1, arity - 1);
   };
@@ -27,19 +56,12 @@ std::vector<Offset> row_order(const SimplexArray& simplices,
   for (Offset s = 0; s < count; ++s) {
     last = std::max(last, *simplices[s]);
   }
-  std::vector<Offset> buckets(static_cast<std::size_t>(last) + 2, 0);
-  for (Offset s = 0; s < count; ++s) {
-    ++buckets[*simplices[s] + 1];
-  }
-  std::partial_sum(buckets.begin(), buckets.end(), buckets.begin());
-  std::vector<Offset> next(buckets.begin(), buckets.end() - 1);
-  for (Offset s = 0; s < count; ++s) {
-    order[next[*simplices[s]]++] = s;
-  }
+  Buckets buckets(simplices, 0, last + 1);
+  std::vector<Offset> order = buckets.take_rows();
   for_each_block_uncounted(last + 1, kBlock, execution, [&](Offset begin, Offset end) {
     for (Offset v = begin; v < end; ++v) {
       sort_few(
-          order.begin() + buckets[v], order.begin() + buckets[v + 1],
+          order.begin() + buckets.begin(v), order.begin() + buckets.end(v),
           [&](Offset a, Offset b) { return less(a, b) || (a < b && !less(b, a)); });
     }
   });

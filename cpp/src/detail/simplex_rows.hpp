@@ -19,6 +19,23 @@ SimplexArray sorted_unique(const SimplexArray& simplices,
 std::vector<Offset> row_order(const SimplexArray& simplices,
                               const Execution& execution = {});
 
+/// The rows of an array by the vertex in one column; rows in that order are not copied.
+class Buckets {
+ public:
+  Buckets(const SimplexArray& simplices, int column, Index num_vertices);
+
+  Offset begin(Offset v) const { return starts_[v]; }
+  Offset end(Offset v) const { return starts_[v + 1]; }
+  Offset row(Offset i) const { return rows_.empty() ? i : rows_[i]; }
+
+  /// Moves out the numbers of all rows; `row` is of no use afterwards.
+  std::vector<Offset> take_rows();
+
+ private:
+  std::vector<Offset> starts_;
+  std::vector<Offset> rows_;
+};
+
 inline bool row_less(const Index* a, const Index* b, int arity) {
   for (int i = 0; i < arity; ++i) {
     if (a[i] != b[i]) {
