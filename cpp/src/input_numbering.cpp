@@ -105,16 +105,10 @@ Csr stars_to_input(const Samples& samples, const LocalRegions& regions,
           const Offset first = regions.star_offsets[i] * dim;
           rows.assign(regions.stars.begin() + first,
                       regions.stars.begin() + regions.star_offsets[i + 1] * dim);
-          order.clear();
-          for (auto row = rows.begin(); row != rows.end(); row += dim) {
-            std::transform(row, row + dim, row,
-                           [&](Index j) { return samples.input_index(j); });
-            std::sort(row, row + dim);
-            order.push_back(&*row);
+          for (Index& j : rows) {
+            j = samples.input_index(j);
           }
-          std::sort(order.begin(), order.end(), [&](const Index* a, const Index* b) {
-            return std::lexicographical_compare(a, a + dim, b, b + dim);
-          });
+          detail::sort_rows(rows, dim, order);
           Index* out = result.indices.data() + result.offsets[self] * (dim + 1);
           for (const Index* row : order) {
             *out++ = self;

@@ -15,7 +15,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <memory>
 #include <vector>
@@ -76,14 +75,8 @@ class RegionCorners {
       for (int i = 0; i < dim(); ++i) {
         row[i] = halfspaces_[facet(corner)[i]].sample;
       }
-      sort_few(row, rows_.end(), std::less<>());
     }
-    row_starts_.clear();
-    for (auto row = rows_.cbegin(); row != rows_.cend(); row += dim()) {
-      row_starts_.push_back(&*row);
-    }
-    sort_few(row_starts_.begin(), row_starts_.end(),
-             [&](const Index* a, const Index* b) { return row_less(a, b, dim()); });
+    sort_rows(rows_, dim(), row_starts_);
     for (const Index* row : row_starts_) {
       out.insert(out.end(), row, row + dim());
     }

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace remanifold::detail {
@@ -85,6 +86,18 @@ void sort_few(Iterator first, Iterator last, const Less& less) {
     }
     *j = value;
   }
+}
+
+/// Sorts each row, and points at the rows in their order.
+inline void sort_rows(std::vector<Index>& rows, int arity,
+                      std::vector<const Index*>& order) {
+  order.clear();
+  for (auto row = rows.begin(); row != rows.end(); row += arity) {
+    sort_few(row, row + arity, std::less<>());
+    order.push_back(&*row);
+  }
+  sort_few(order.begin(), order.end(),
+           [&](const Index* a, const Index* b) { return row_less(a, b, arity); });
 }
 
 inline void append_row(SimplexArray& simplices, const Index* simplex) {
