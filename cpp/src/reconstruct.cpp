@@ -3,6 +3,7 @@
 #include "remanifold/reconstruct.hpp"
 
 #include "detail/parallel.hpp"
+#include "detail/simplex_rows.hpp"
 #include "remanifold/facets.hpp"
 #include "remanifold/input_numbering.hpp"
 #include "remanifold/local_region.hpp"
@@ -245,9 +246,7 @@ PaperReport paper_report(const SimplexArray& simplices, const Csr& edge_sets,
   report.callous_faces.arity = dim;
   for (Offset f = 0; f < faces.simplices.size(); ++f) {
     if (faces.cofaces[f] > 2) {
-      const Index* face = faces.simplices[f];
-      report.callous_faces.vertices.insert(report.callous_faces.vertices.end(), face,
-                                           face + dim);
+      detail::append_row(report.callous_faces, faces.simplices[f]);
     }
   }
 
@@ -266,8 +265,7 @@ PaperReport paper_report(const SimplexArray& simplices, const Csr& edge_sets,
       }
     }
     if (!starred) {
-      report.unstarred_simplices.vertices.insert(
-          report.unstarred_simplices.vertices.end(), simplex, simplex + dim + 1);
+      detail::append_row(report.unstarred_simplices, simplex);
     }
   }
 
@@ -282,8 +280,7 @@ PaperReport paper_report(const SimplexArray& simplices, const Csr& edge_sets,
   report.hole_faces.arity = dim;
   for (Offset f = 0; f < open.faces.size(); ++f) {
     if (open.hole[open.set[f]] != 0) {
-      report.hole_faces.vertices.insert(report.hole_faces.vertices.end(), open.faces[f],
-                                        open.faces[f] + dim);
+      detail::append_row(report.hole_faces, open.faces[f]);
     }
   }
   report.open_faces = std::move(open.faces);

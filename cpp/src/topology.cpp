@@ -3,6 +3,7 @@
 
 #include "detail/disjoint_sets.hpp"
 #include "detail/parallel.hpp"
+#include "detail/simplex_rows.hpp"
 #include "remanifold/facets.hpp"
 
 #include <algorithm>
@@ -79,6 +80,7 @@ void sort_by_face(std::vector<Instance>& instances) {
   instances.swap(sorted);
 }
 
+/// \tparam Arity  at least that of the table; columns beyond that are padding
 template <int Arity>
 void group_faces(const SimplexArray& simplices,
                  const std::vector<std::vector<int>>& columns, FaceTable& table) {
@@ -106,8 +108,7 @@ void group_faces(const SimplexArray& simplices,
     table.instances[i] = instances[i].number;
     if (i + 1 == instances.size() || instances[i].face != instances[i + 1].face) {
       table.offsets.push_back(static_cast<Offset>(i) + 1);
-      table.faces.vertices.insert(table.faces.vertices.end(), instances[i].face.begin(),
-                                  instances[i].face.end());
+      detail::append_row(table.faces, instances[i].face.data());
     }
   }
 }
@@ -137,7 +138,6 @@ FaceTable make_face_table(const SimplexArray& simplices, int dim) {
       if (table.faces.arity > padded) {
         throw std::invalid_argument("faces of more than 16 vertices are not supported");
       }
-      std::vector<Index> all;
       const int arity = table.faces.arity;
       SimplexArray wide{padded, {}};
       std::vector<std::vector<int>> identity(1, std::vector<int>(padded));
@@ -150,11 +150,6 @@ FaceTable make_face_table(const SimplexArray& simplices, int dim) {
         }
       }
       group_faces<padded>(wide, identity, table);
-      for (Offset f = 0; f < table.size(); ++f) {
-        all.insert(all.end(), table.faces.vertices.begin() + f * padded,
-                   table.faces.vertices.begin() + f * padded + arity);
-      }
-      table.faces.vertices = std::move(all);
     }
   }
   return table;
@@ -474,9 +469,7 @@ OpenFaces find_open_faces(const Faces& faces,
   result.faces.arity = faces.simplices.arity;
   for (Offset f = 0; f < faces.simplices.size(); ++f) {
     if (faces.cofaces[f] == 1) {
-      const Index* face = faces.simplices[f];
-      result.faces.vertices.insert(result.faces.vertices.end(), face,
-                                   face + result.faces.arity);
+      detail::append_row(result.faces, faces.simplices[f]);
     }
   }
   const Offset count = result.faces.size();
