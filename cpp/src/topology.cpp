@@ -220,6 +220,31 @@ bool is_path_or_cycle(const SimplexArray& graph) {
   return tree_edges + 1 == ends.size();
 }
 
+/// The vertices of the table that are marked and have links that are neither spheres nor
+/// balls.
+/// \param for_each_block  runs a body(begin, end) on all of the table
+template <class Loop>
+std::vector<Index> find_singular(const SimplexArray& simplices,
+                                 const FaceTable& vertices,
+                                 const std::vector<std::uint8_t>& marked,
+                                 const Loop& for_each_block) {
+  std::vector<std::uint8_t> singular(vertices.size(), 0);
+  for_each_block([&](Offset begin, Offset end) {
+    for (Offset v = begin; v < end; ++v) {
+      if (marked[vertices.faces[v][0]] != 0) {
+        singular[v] = is_sphere_or_ball(link_of(simplices, vertices, v)) ? 0 : 1;
+      }
+    }
+  });
+  std::vector<Index> result;
+  for (Offset v = 0; v < vertices.size(); ++v) {
+    if (singular[v] != 0) {
+      result.push_back(vertices.faces[v][0]);
+    }
+  }
+  return result;
+}
+
 void validate(const SimplexArray& simplices, Index num_vertices) {
   if (simplices.arity < 2) {
     throw std::invalid_argument("simplices have " + std::to_string(simplices.arity) +
@@ -396,71 +421,24 @@ Topology compute_topology(const SimplexArray& simplices, Index num_vertices,
 
   execution.poll();
   const FaceTable vertices = make_face_table(simplices, 0);
-  std::vector<std::uint8_t> singular(vertices.size(), 0);
   detail::begin_step(execution, Step::kTopology, vertices.size());
-  detail::for_each_block(
-      vertices.size(), 256, execution, [&](Offset begin, Offset end) {
-        for (Offset v = begin; v < end; ++v) {
-          singular[v] = is_sphere_or_ball(link_of(simplices, vertices, v)) ? 0 : 1;
-        }
-      });
-  for (Offset v = 0; v < vertices.size(); ++v) {
-    if (singular[v] != 0) {
-      result.singular_vertices.push_back(vertices.faces[v][0]);
-    }
-  }
+  result.singular_vertices =
+      find_singular(simplices, vertices, std::vector<std::uint8_t>(num_vertices, 1),
+                    [&](const auto& body) {
+                      detail::for_each_block(vertices.size(), 256, execution, body);
+                    });
   return result;
 }
 
 std::vector<Index> singular_vertices(const SimplexArray& simplices,
                                      const std::vector<std::uint8_t>& marked,
                                      const Execution& execution) {
-  std::vector<Index> vertices;
-  std::vector<Offset> offsets(1, 0);
-  std::vector<Index> number(marked.size(), -1);
-  for (std::size_t v = 0; v < marked.size(); ++v) {
-    if (marked[v] != 0) {
-      number[v] = static_cast<Index>(vertices.size());
-      vertices.push_back(static_cast<Index>(v));
-    }
-  }
-  offsets.resize(vertices.size() + 1, 0);
-  for (const Index v : simplices.vertices) {
-    if (number[v] >= 0) {
-      ++offsets[number[v] + 1];
-    }
-  }
-  std::partial_sum(offsets.begin(), offsets.end(), offsets.begin());
-  std::vector<Offset> stars(offsets.back());
-  std::vector<Offset> next(offsets.begin(), offsets.end() - 1);
-  for (std::size_t i = 0; i < simplices.vertices.size(); ++i) {
-    const Index n = number[simplices.vertices[i]];
-    if (n >= 0) {
-      stars[next[n]++] = static_cast<Offset>(i) / simplices.arity;
-    }
-  }
-  std::vector<std::uint8_t> singular(vertices.size(), 0);
-  detail::for_each_block_uncounted(
-      static_cast<Offset>(vertices.size()), 64, execution,
-      [&](Offset begin, Offset end) {
-        for (Offset n = begin; n < end; ++n) {
-          SimplexArray link{simplices.arity - 1, {}};
-          for (Offset i = offsets[n]; i < offsets[n + 1]; ++i) {
-            const Index* simplex = simplices[stars[i]];
-            std::copy_if(simplex, simplex + simplices.arity,
-                         std::back_inserter(link.vertices),
-                         [&](Index w) { return w != vertices[n]; });
-          }
-          singular[n] = link.size() > 0 && !is_sphere_or_ball(link) ? 1 : 0;
-        }
-      });
-  std::vector<Index> result;
-  for (std::size_t n = 0; n < vertices.size(); ++n) {
-    if (singular[n] != 0) {
-      result.push_back(vertices[n]);
-    }
-  }
-  return result;
+  const SimplexArray near = detail::select_rows(
+      simplices, detail::rows_near(simplices, marked, 1, execution));
+  const FaceTable vertices = make_face_table(near, 0);
+  return find_singular(near, vertices, marked, [&](const auto& body) {
+    detail::for_each_block_uncounted(vertices.size(), 64, execution, body);
+  });
 }
 
 OpenFaces find_open_faces(const Faces& faces,
