@@ -68,72 +68,78 @@ Cavities find_cavities(const SimplexArray& fixed,
   result.candidates = detail::sorted_unique(candidates);
   result.facets.arity = arity - 1;
 
-  // Candidates behind a facet that already has both its cofaces go, and those folded back.
   SimplexArray all = fixed;
-  const auto join = [&] {
-    all.vertices.resize(fixed.vertices.size());
-    all.vertices.insert(all.vertices.end(), result.candidates.vertices.begin(),
-                        result.candidates.vertices.end());
-  };
-  join();
+  all.vertices.insert(all.vertices.end(), result.candidates.vertices.begin(),
+                      result.candidates.vertices.end());
   const Offset num_fixed = fixed.size();
-  {
-    const FacetTable table = make_table(all, num_fixed, inside, execution);
-    std::vector<std::uint8_t> blocked(result.candidates.size(), 0);
-    std::vector<Index> facet(arity - 1);
-    for (Offset g = 0; g < table.groups.size(); ++g) {
-      const bool closed = table.fixed_cofaces[g] >= 2 || table.counted[g] == 0;
-      if (!closed && (table.fixed_cofaces[g] == 0 || arity == 2 || fold_back)) {
-        continue;
-      }
-      const FacetNumber rim = table.groups.facets[table.groups.offsets[g]];
-      copy_facet(all, rim, facet.data());
-      for (Offset i = table.groups.offsets[g]; i < table.groups.offsets[g + 1]; ++i) {
-        const FacetNumber f = table.groups.facets[i];
-        const Offset simplex = f / arity;
-        if (simplex >= num_fixed &&
-            (closed ||
-             ruler.fold(facet.data(), arity - 1, all[rim / arity][rim % arity],
-                        all[simplex][f % arity]) > kFoldedBack)) {
-          blocked[simplex - num_fixed] = 1;
-        }
+  const FacetTable table = make_table(all, num_fixed, inside, execution);
+
+  // Candidates behind a facet that already has both its cofaces go, and those folded back.
+  std::vector<std::uint8_t> blocked(result.candidates.size(), 0);
+  std::vector<Index> vertices(arity - 1);
+  for (Offset g = 0; g < table.groups.size(); ++g) {
+    const bool closed = table.fixed_cofaces[g] >= 2 || table.counted[g] == 0;
+    if (!closed && (table.fixed_cofaces[g] == 0 || arity == 2 || fold_back)) {
+      continue;
+    }
+    const FacetNumber rim = table.groups.facets[table.groups.offsets[g]];
+    copy_facet(all, rim, vertices.data());
+    for (Offset i = table.groups.offsets[g]; i < table.groups.offsets[g + 1]; ++i) {
+      const FacetNumber f = table.groups.facets[i];
+      const Offset simplex = f / arity;
+      if (simplex >= num_fixed &&
+          (closed ||
+           ruler.fold(vertices.data(), arity - 1, all[rim / arity][rim % arity],
+                      all[simplex][f % arity]) > kFoldedBack)) {
+        blocked[simplex - num_fixed] = 1;
       }
     }
-    detail::erase_rows(result.candidates, blocked);
-    join();
+  }
+  detail::erase_rows(result.candidates, blocked);
+  const auto num_candidates = static_cast<Index>(result.candidates.size());
+  std::vector<Index> number_of(blocked.size());  // of the candidates that are left
+  for (std::size_t c = 1; c < blocked.size(); ++c) {
+    number_of[c] = number_of[c - 1] + (blocked[c - 1] == 0 ? 1 : 0);
   }
 
-  const FacetTable table = make_table(all, num_fixed, inside, execution);
-  const auto num_candidates = static_cast<Index>(result.candidates.size());
   result.facets_of.assign(static_cast<std::size_t>(num_candidates) * arity, -1);
-  std::vector<Index> vertices(arity - 1);
+  std::vector<FacetNumber> facets;
   for (Offset g = 0; g < table.groups.size(); ++g) {
     if (table.counted[g] == 0) {
       continue;
     }
-    const FacetNumber* first = table.groups.facets.data() + table.groups.offsets[g];
-    const FacetNumber* last = table.groups.facets.data() + table.groups.offsets[g + 1];
+    facets.clear();
+    for (Offset i = table.groups.offsets[g]; i < table.groups.offsets[g + 1]; ++i) {
+      const Offset simplex = table.groups.facets[i] / arity;
+      if (simplex < num_fixed || blocked[simplex - num_fixed] == 0) {
+        facets.push_back(table.groups.facets[i]);
+      }
+    }
+    if (facets.empty()) {
+      continue;
+    }
     // Numbers ascend: the fixed ones come first.
-    const FacetNumber rim = *first / arity < num_fixed ? *first : kOpen;
-    if (*(last - 1) / arity < num_fixed) {
-      if (last - first == 1) {
+    const FacetNumber rim = facets.front() / arity < num_fixed ? facets.front() : kOpen;
+    if (facets.back() / arity < num_fixed) {
+      if (facets.size() == 1) {
         result.dead_ends.push_back(rim);
       }
       continue;
     }
     const auto number = static_cast<Index>(result.prices.size());
-    copy_facet(all, *first, vertices.data());
-    result.facets.vertices.insert(result.facets.vertices.end(), vertices.begin(),
-                                  vertices.end());
+    copy_facet(all, facets.front(), vertices.data());
+    detail::append_row(result.facets, vertices.data());
     result.prices.push_back(price(vertices.data()));
     result.rims.push_back(rim);
     if (ruler.fills_space(arity)) {
       result.rim_orientations.push_back(static_cast<std::int8_t>(
           rim == kOpen ? 0 : ruler.orientation(all[rim / arity], arity)));
     }
-    for (const FacetNumber* f = first; f != last; ++f) {
-      if (*f / arity >= num_fixed) {
-        result.facets_of[*f - num_fixed * arity] = number;
+    for (const FacetNumber f : facets) {
+      if (f / arity >= num_fixed) {
+        const Index candidate = number_of[f / arity - num_fixed];
+        result.facets_of[static_cast<std::size_t>(candidate) * arity + f % arity] =
+            number;
       }
     }
   }
