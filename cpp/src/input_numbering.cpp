@@ -5,6 +5,7 @@
 #include "detail/simplex_rows.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 
 namespace remanifold {
@@ -44,9 +45,25 @@ TangentSpaces to_input(const Samples& samples, const TangentSpaces& tangents,
   }
   result.simplices.resize(n * arity);
   result.boundary.resize(n);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto leave_out = [&](Offset i) {
+    if (!tangents.bases.empty()) {
+      std::fill_n(result.bases.data() + i * size, size, nan);
+    }
+    if (!tangents.neighbors.empty()) {
+      std::fill_n(result.coefficients.data() + i * num_values, num_values, nan);
+      std::fill_n(result.neighbors.data() + i * count, count, 0);
+    }
+    std::fill_n(result.simplices.data() + i * arity, arity, -1);
+    result.boundary[i] = 1;
+  };
   detail::for_each_block_uncounted(
       static_cast<Offset>(n), kBlock, execution, [&](Offset begin, Offset end) {
         for (Offset i = begin; i < end; ++i) {
+          if (canonical[i] < 0) {
+            leave_out(i);
+            continue;
+          }
           const auto c = static_cast<std::size_t>(canonical[i]);
           if (!tangents.bases.empty()) {
             std::copy_n(tangents.bases.data() + c * size, size,

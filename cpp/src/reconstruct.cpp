@@ -15,6 +15,8 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
+#include <utility>
 
 namespace remanifold {
 namespace {
@@ -40,35 +42,146 @@ int sign_of_input_order(const Samples& samples, const Index* simplex, int arity)
   return sign;
 }
 
+/// Outliers left out and the others smoothed, as far as asked for.
+class CleanSamples {
+ public:
+  CleanSamples(const Samples& given, const ReconstructOptions& options,
+               const Execution& execution)
+      : given_(given), options_(options), execution_(execution) {
+    search_.emplace(given, options.search, execution);
+  }
+  CleanSamples(const CleanSamples&) = delete;
+  CleanSamples& operator=(const CleanSamples&) = delete;
+
+  const Samples& samples() const { return changed_ ? *changed_ : given_; }
+  const NeighborSearch& search() const { return *search_; }
+  const Neighborhoods& neighborhoods() const { return neighborhoods_; }
+  Cleaning take_report() { return std::move(report_); }
+  double neighborhood_seconds() const { return neighborhood_seconds_; }
+  double cleaning_seconds() const { return cleaning_seconds_; }
+
+  /// \param count  of neighborhoods, 0 where the caller has no use for them
+  void run(Index count) {
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    report_.noise = report_.prediction_error = nan;
+    if (count > 0 || options_.outlier_distance > 0) {
+      find(std::max<Index>(count, 2 * options_.tangent.dim + 2));
+    }
+    bool stale = false;
+    if (options_.outlier_distance > 0) {
+      const detail::Timed timed(cleaning_seconds_);
+      detail::begin_step(execution_, Step::kOutliers, 0);
+      const std::vector<Index> outliers =
+          find_outliers(given_, *search_, neighborhoods_,
+                        {options_.tangent.dim, options_.outlier_distance}, execution_);
+      if (!outliers.empty()) {
+        leave_out(outliers);
+        stale = true;
+      }
+    }
+    if (options_.smooth) {
+      const detail::Timed timed(cleaning_seconds_);
+      SmoothingOptions smoothing = options_.smoothing;
+      smoothing.dim = options_.tangent.dim;
+      smoothing.search = options_.search;
+      Smoothing smoothed = smooth(samples(), *search_, smoothing, execution_);
+      report_.noise = smoothed.noise * given_.scale();
+      report_.prediction_error = smoothed.prediction_error * given_.scale();
+      report_.smoothing_neighbors = smoothed.num_neighbors;
+      report_.smoothing_rounds = smoothed.rounds;
+      if (!smoothed.points.empty()) {
+        move(smoothed.points);
+        stale = true;
+      }
+    }
+    if (stale && count > 0) {
+      find(count);
+    }
+  }
+
+ private:
+  void find(Index count) {
+    const detail::Timed timed(neighborhood_seconds_);
+    neighborhoods_ = find_neighborhoods(samples(), *search_, count, execution_);
+  }
+
+  void change(Samples samples) {
+    search_.reset();
+    changed_ = std::move(samples);
+    search_.emplace(*changed_, options_.search, execution_);
+  }
+
+  void leave_out(const std::vector<Index>& outliers) {
+    std::vector<std::uint8_t> marked(given_.size(), 0);
+    for (const Index x : outliers) {
+      marked[x] = 1;
+    }
+    const std::vector<Index> canonical = given_.canonical_indices();
+    for (Index i = 0; i < given_.input_size(); ++i) {
+      if (marked[canonical[i]] != 0) {
+        report_.outliers.push_back(i);
+      }
+    }
+    change(given_.without(outliers));
+  }
+
+  void move(const std::vector<double>& points) {
+    const Samples& before = samples();
+    const auto dim = static_cast<std::size_t>(before.ambient_dim());
+    report_.displacements.assign(before.input_size() * dim, 0.0);
+    const std::vector<Index> canonical = before.canonical_indices();
+    for (std::size_t i = 0; i < canonical.size(); ++i) {
+      if (canonical[i] >= 0) {
+        const double* from = before.point(canonical[i]);
+        const double* to = points.data() + canonical[i] * dim;
+        for (std::size_t axis = 0; axis < dim; ++axis) {
+          report_.displacements[i * dim + axis] =
+              (to[axis] - from[axis]) * before.scale();
+        }
+      }
+    }
+    change(before.moved_to({points.data(), before.size(), before.ambient_dim()},
+                           execution_));
+  }
+
+  const Samples& given_;
+  const ReconstructOptions& options_;
+  const Execution& execution_;
+  std::optional<Samples> changed_;
+  std::optional<NeighborSearch> search_;
+  Neighborhoods neighborhoods_;
+  Cleaning report_;
+  double neighborhood_seconds_ = 0;
+  double cleaning_seconds_ = 0;
+};
+
 /// What both methods begin with.
 struct Regions {
-  NeighborSearch search;
-  Neighborhoods neighborhoods;
   TangentSpaces tangents;
   LocalRegions regions;
   double recall = 1;
   StepSeconds seconds;
 };
 
-Regions compute_regions(const Samples& samples, TangentOptions tangent,
-                        const SearchOptions& options, const Execution& execution) {
+Regions compute_regions(CleanSamples& clean, const TangentOptions& tangent,
+                        const Execution& execution) {
   const double threads = thread_count(execution);
-  detail::Stopwatch watch;
-  Regions result{NeighborSearch(samples, options, execution), {}, {}, {}, 1, {}};
-  result.neighborhoods = find_neighborhoods(
-      samples, result.search,
-      std::max(tangent.num_neighbors, certifying_count(tangent.dim, result.search)),
-      execution);
-  result.seconds.neighborhoods = watch.lap();
-  if (result.search.method() == SearchMethod::kApproximate) {
-    result.recall = measure_recall(samples, result.search, result.neighborhoods.count,
-                                   kRecallQueries, execution);
-    watch.lap();
+  Regions result;
+  clean.run(
+      std::max(tangent.num_neighbors, certifying_count(tangent.dim, clean.search())));
+  const Samples& samples = clean.samples();
+  const NeighborSearch& search = clean.search();
+  const Neighborhoods& neighborhoods = clean.neighborhoods();
+  result.seconds.neighborhoods = clean.neighborhood_seconds();
+  result.seconds.cleaning = clean.cleaning_seconds();
+  if (search.method() == SearchMethod::kApproximate) {
+    result.recall = measure_recall(samples, search, neighborhoods.count, kRecallQueries,
+                                   execution);
   }
-  result.tangents =
-      compute_tangent_spaces(samples, result.neighborhoods, tangent, execution);
+  detail::Stopwatch watch;
+  result.tangents = compute_tangent_spaces(samples, neighborhoods, tangent, execution);
   result.seconds.tangent_spaces = watch.lap();
-  result.regions = compute_local_regions(samples, result.search, result.neighborhoods,
+  result.regions = compute_local_regions(samples, search, neighborhoods,
                                          result.tangents, execution);
   result.seconds.local_regions = watch.lap();
 
@@ -136,17 +249,27 @@ void write_tangents(const Samples& samples, TangentSpaces mapped,
 
 }  // namespace
 
-Reconstruction reconstruct(const Samples& samples, const ReconstructOptions& options,
+Cleaning clean(const Samples& samples, const ReconstructOptions& options,
+               const Execution& execution) {
+  CleanSamples clean(samples, options, execution);
+  clean.run(0);
+  return clean.take_report();
+}
+
+Reconstruction reconstruct(const Samples& given, const ReconstructOptions& options,
                            const Execution& execution) {
   TangentOptions tangent = options.tangent;
   if (tangent.num_neighbors == 0) {
     tangent.num_neighbors = 10 * tangent.dim;
   }
-  Regions steps = compute_regions(samples, tangent, options.search, execution);
+  CleanSamples clean(given, options, execution);
+  Regions steps = compute_regions(clean, tangent, execution);
+  const Samples& samples = clean.samples();
   const LocalRegions& regions = steps.regions;
   Reconstruction result;
   result.dim = tangent.dim;
-  result.search = steps.search.method();
+  result.search = clean.search().method();
+  result.cleaning = clean.take_report();
   result.recall = steps.recall;
   result.seconds = steps.seconds;
   detail::Stopwatch watch;
@@ -163,8 +286,9 @@ Reconstruction reconstruct(const Samples& samples, const ReconstructOptions& opt
   result.boundary = std::move(mapped.boundary);
   write_tangents(samples, std::move(mapped), result.tangents, result.frames);
   for (const Index i : samples.canonical_indices()) {
-    result.unbounded.push_back(
-        regions.squared_radii[i] == std::numeric_limits<double>::infinity() ? 1 : 0);
+    const bool unbounded =
+        i >= 0 && regions.squared_radii[i] == std::numeric_limits<double>::infinity();
+    result.unbounded.push_back(unbounded ? 1 : 0);
   }
   result.representatives = samples.representatives();
   result.neighbors_used = regions.neighbors_used;
@@ -175,7 +299,7 @@ Reconstruction reconstruct(const Samples& samples, const ReconstructOptions& opt
   return result;
 }
 
-ManifoldReconstruction reconstruct_manifold(const Samples& samples,
+ManifoldReconstruction reconstruct_manifold(const Samples& given,
                                             const ReconstructOptions& options,
                                             ManifoldOptions manifold,
                                             const ProgramSolver& solver,
@@ -185,11 +309,15 @@ ManifoldReconstruction reconstruct_manifold(const Samples& samples,
   if (tangent.num_neighbors == 0) {
     tangent.num_neighbors = jet_neighbors(dim);
   }
-  Regions steps = compute_regions(samples, tangent, options.search, execution);
+  CleanSamples clean(given, options, execution);
+  Regions steps = compute_regions(clean, tangent, execution);
+  const Samples& samples = clean.samples();
+  const Neighborhoods& neighborhoods = clean.neighborhoods();
   detail::Stopwatch watch;
   ManifoldReconstruction result;
   result.dim = dim;
-  result.search = steps.search.method();
+  result.search = clean.search().method();
+  result.cleaning = clean.take_report();
   result.recall = steps.recall;
   result.seconds = steps.seconds;
   result.representatives = samples.representatives();
@@ -198,15 +326,16 @@ ManifoldReconstruction reconstruct_manifold(const Samples& samples,
     std::vector<std::uint8_t> mask(samples.size(), 0);
     const std::vector<Index> canonical = samples.canonical_indices();
     for (std::size_t i = 0; i < canonical.size(); ++i) {
-      mask[canonical[i]] |= manifold.boundary_samples[i];
+      if (canonical[i] >= 0) {
+        mask[canonical[i]] |= manifold.boundary_samples[i];
+      }
     }
     manifold.boundary_samples = std::move(mask);
   }
   steps.regions.edge_sets = {};  // the stars are all that is needed
   detail::begin_step(execution, Step::kComplex, 0);
   ManifoldComplex complex =
-      build_manifold(samples.knowing(steps.neighborhoods), steps.neighborhoods,
-                     steps.tangents, steps.regions, manifold, solver, execution);
+      build_manifold(samples.knowing(neighborhoods), neighborhoods, steps.tangents, steps.regions, manifold, solver, execution);
   steps.regions = {};
   const std::vector<std::int8_t> signs =
       orient(samples, complex.simplices, complex.patches);

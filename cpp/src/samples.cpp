@@ -349,7 +349,7 @@ Samples Samples::from_matrix(MatrixView matrix, Kind kind, const Execution& exec
 }
 
 std::vector<Index> Samples::canonical_indices() const {
-  std::vector<Index> canonical(representatives_.size());
+  std::vector<Index> canonical(representatives_.size(), -1);
   for (Index i = 0; i < size(); ++i) {
     canonical[input_index_[i]] = i;
   }
@@ -357,6 +357,57 @@ std::vector<Index> Samples::canonical_indices() const {
     canonical[i] = canonical[representatives_[i]];
   }
   return canonical;
+}
+
+Samples Samples::without(const std::vector<Index>& left_out) const {
+  std::vector<std::uint8_t> kept(size(), 1);
+  for (const Index i : left_out) {
+    kept[i] = 0;
+  }
+  Samples result = *this;
+  result.neighborhoods_ = nullptr;
+  result.input_index_.clear();
+  for (Index i = 0; i < size(); ++i) {
+    if (kept[i] != 0) {
+      result.input_index_.push_back(input_index_[i]);
+    }
+  }
+  if (kind_ == Kind::kPoints) {
+    const auto dim = static_cast<std::size_t>(ambient_dim_);
+    auto memory = std::make_shared<detail::AlignedArray<double>>(result.size() * dim);
+    double* out = memory->data();
+    for (Index i = 0; i < size(); ++i) {
+      if (kept[i] != 0) {
+        out = std::copy_n(point(i), dim, out);
+      }
+    }
+    result.points_ = {memory, memory->data()};
+  }
+  return result;
+}
+
+Samples Samples::moved_to(MatrixView points, const Execution& execution) const {
+  Samples result = from_points(points, execution);
+  result.scale_ *= scale_;
+  result.inverse_scale_ *= inverse_scale_;
+  // From numbers here to input numbers, of which the lowest stands for all that coincide.
+  std::vector<Index> lowest(size(), representatives_.empty() ? 0 : input_size());
+  for (Index i = 0; i < size(); ++i) {
+    Index& first = lowest[result.representatives_[i]];
+    first = std::min(first, input_index_[i]);
+  }
+  for (Index& i : result.input_index_) {
+    i = lowest[i];
+  }
+  std::vector<Index> representatives = representatives_;
+  const std::vector<Index> canonical = canonical_indices();
+  for (std::size_t i = 0; i < representatives.size(); ++i) {
+    if (canonical[i] >= 0) {
+      representatives[i] = lowest[result.representatives_[canonical[i]]];
+    }
+  }
+  result.representatives_ = std::move(representatives);
+  return result;
 }
 
 Samples Samples::knowing(const Neighborhoods& neighborhoods) const {

@@ -3,12 +3,16 @@
 #include "options.hpp"
 #include "run.hpp"
 
+#include <algorithm>
+#include <utility>
+
 namespace remanifold::python {
 namespace {
 
 py::dict timings(const StepSeconds& seconds) {
   py::dict out;
   out["neighborhoods"] = seconds.neighborhoods;
+  out["cleaning"] = seconds.cleaning;
   out["tangent_spaces"] = seconds.tangent_spaces;
   out["local_regions"] = seconds.local_regions;
   out["complex"] = seconds.complex;
@@ -27,13 +31,57 @@ py::object tangents_of(std::vector<double>&& bases, TangentFrames&& frames,
                         frames.scale);
 }
 
+/// \param outlier_distance  0 keeps all samples
+/// \param smoothing  -1: none, 0: by cross-validation, or neighbors
+/// \param only_noise  leaves samples without noise alone
+void set_cleaning(double outlier_distance, Index smoothing, bool only_noise,
+                  ReconstructOptions& options) {
+  options.outlier_distance = outlier_distance;
+  options.smooth = smoothing >= 0;
+  options.smoothing.num_neighbors = std::max<Index>(0, smoothing);
+  options.smoothing.only_noise = only_noise;
+}
+
+py::dict to_dict(Cleaning&& cleaning, py::ssize_t ambient_dim) {
+  py::dict out;
+  out["outliers"] = to_numpy(std::move(cleaning.outliers));
+  const auto rows =
+      static_cast<py::ssize_t>(cleaning.displacements.size()) / ambient_dim;
+  out["displacements"] =
+      to_numpy(std::move(cleaning.displacements), {rows, ambient_dim});
+  out["num_neighbors"] = cleaning.smoothing_neighbors;
+  out["rounds"] = cleaning.smoothing_rounds;
+  out["noise"] = cleaning.noise;
+  out["prediction_error"] = cleaning.prediction_error;
+  return out;
+}
+
+py::dict clean_samples(const std::string& kind, const InputArray<double>& matrix,
+                       int dim, double outlier_distance, Index smoothing,
+                       bool only_noise, const std::string& search, int checks,
+                       int num_threads, const py::object& progress) {
+  ReconstructOptions options;
+  options.tangent.dim = dim;
+  options.search = search_options(search, checks);
+  set_cleaning(outlier_distance, smoothing, only_noise, options);
+  const MatrixView input = view(matrix);
+  return to_dict(run(num_threads, progress,
+                     [&](const Execution& execution) {
+                       const Samples samples = make_samples(kind, input, execution);
+                       return clean(samples, options, execution);
+                     }),
+                 matrix.shape(1));
+}
+
 py::dict reconstruct_paper(const std::string& kind, const InputArray<double>& matrix,
                            int dim, Index num_neighbors, const std::string& estimator,
-                           const std::string& edges, const std::string& search,
+                           const std::string& edges, double outlier_distance,
+                           Index smoothing, bool only_noise, const std::string& search,
                            int checks, int num_threads, const py::object& progress) {
   ReconstructOptions options;
   options.tangent = {dim, num_neighbors, estimator_of(estimator)};
   options.search = search_options(search, checks);
+  set_cleaning(outlier_distance, smoothing, only_noise, options);
   options.edges = edge_rule(edges);
   const MatrixView input = view(matrix);
   Reconstruction result = run(num_threads, progress, [&](const Execution& execution) {
@@ -65,6 +113,7 @@ py::dict reconstruct_paper(const std::string& kind, const InputArray<double>& ma
   out["recall"] = result.recall;
   out["neighbors_used"] = result.neighbors_used;
   out["vacuous_constraints"] = result.vacuous_constraints;
+  out["cleaning"] = to_dict(std::move(result.cleaning), matrix.shape(1));
   out["timings"] = timings(result.seconds);
   return out;
 }
@@ -102,12 +151,14 @@ py::dict reconstruct_with_chain(const std::string& kind,
                                 Index num_neighbors, const std::string& estimator,
                                 const std::string& boundary,
                                 const InputArray<bool>& boundary_samples,
-                                double hole_radius, const std::string& search,
-                                int checks, const py::object& solve, int num_threads,
+                                double hole_radius, double outlier_distance,
+                                Index smoothing, bool only_noise,
+                                const std::string& search, int checks, const py::object& solve, int num_threads,
                                 const py::object& progress) {
   ReconstructOptions options;
   options.tangent = {dim, num_neighbors, estimator_of(estimator)};
   options.search = search_options(search, checks);
+  set_cleaning(outlier_distance, smoothing, only_noise, options);
   ManifoldOptions manifold;
   manifold.boundary = boundary_rule(boundary);
   manifold.boundary_samples.assign(boundary_samples.data(),
@@ -148,6 +199,7 @@ py::dict reconstruct_with_chain(const std::string& kind,
   repair["num_integer_programs"] = report.integer_programs;
   repair["num_unsolved"] = report.unsolved;
   out["repair"] = repair;
+  out["cleaning"] = to_dict(std::move(result.cleaning), matrix.shape(1));
   out["timings"] = timings(result.seconds);
   return out;
 }
@@ -155,14 +207,20 @@ py::dict reconstruct_with_chain(const std::string& kind,
 }  // namespace
 
 void bind_reconstruct(py::module_& module) {
+  module.def("clean", &clean_samples, py::arg("kind"), py::arg("matrix").noconvert(),
+             py::arg("dim"), py::arg("outlier_distance"), py::arg("smoothing"),
+             py::arg("only_noise"), py::arg("search"), py::arg("checks"),
+             py::arg("num_threads"), py::arg("progress"));
   module.def("reconstruct_paper", &reconstruct_paper, py::arg("kind"),
              py::arg("matrix").noconvert(), py::arg("dim"), py::arg("num_neighbors"),
-             py::arg("estimator"), py::arg("edges"), py::arg("search"),
+             py::arg("estimator"), py::arg("edges"), py::arg("outlier_distance"),
+             py::arg("smoothing"), py::arg("only_noise"), py::arg("search"),
              py::arg("checks"), py::arg("num_threads"), py::arg("progress"));
   module.def("reconstruct_manifold", &reconstruct_with_chain, py::arg("kind"),
              py::arg("matrix").noconvert(), py::arg("dim"), py::arg("num_neighbors"),
              py::arg("estimator"), py::arg("boundary"),
              py::arg("boundary_samples").noconvert(), py::arg("hole_radius"),
+             py::arg("outlier_distance"), py::arg("smoothing"), py::arg("only_noise"),
              py::arg("search"), py::arg("checks"), py::arg("solve"),
              py::arg("num_threads"), py::arg("progress"));
 }

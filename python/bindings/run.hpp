@@ -24,6 +24,10 @@ inline const char* step_name(Step step) {
       return "prepare";
     case Step::kNeighborhoods:
       return "neighborhoods";
+    case Step::kOutliers:
+      return "outliers";
+    case Step::kSmoothing:
+      return "smoothing";
     case Step::kTangentSpaces:
       return "tangent_spaces";
     case Step::kLocalRegions:

@@ -18,6 +18,7 @@ except ImportError as error:
     raise ImportError(_HINT) from error
 
 from remanifold import datasets, io
+from remanifold.cleaning import Smoothing, find_outliers, smooth
 from remanifold.reconstruction import Reconstruction, Repair, reconstruct
 from remanifold.steps import (
     EdgeSets,
@@ -45,6 +46,7 @@ __all__ = [
     "Reconstruction",
     "RemanifoldWarning",
     "Repair",
+    "Smoothing",
     "Stars",
     "TangentSpaces",
     "Topology",
@@ -53,9 +55,11 @@ __all__ = [
     "compute_topology",
     "datasets",
     "edge_sets",
+    "find_outliers",
     "io",
     "local_regions",
     "neighborhoods",
     "reconstruct",
+    "smooth",
     "tangent_spaces",
 ]

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 Kind = Literal["points", "gram", "distances"]
+OUTLIER_DISTANCE = 2.0  # local scales
 
 
 class Input(NamedTuple):
@@ -154,6 +155,33 @@ def check_positive(value: Any, name: str) -> float:
         msg = f"{name} is {value!r}, expected a positive finite number"
         raise ValueError(msg)
     return number
+
+
+def check_smooth(smooth: Any, dim: int) -> tuple[int, bool]:
+    """Neighbors of a fit, -1 for none and 0 for a choice, and whether noise is needed."""
+    if smooth is None or smooth is False or isinstance(smooth, np.bool_) and not smooth:
+        return -1, False
+    if isinstance(smooth, str) and smooth == "auto":
+        return 0, True
+    if smooth is True or isinstance(smooth, np.bool_):
+        return 0, False
+    if isinstance(smooth, str):
+        msg = f'smooth is {smooth!r}, expected "auto", True, False or a number'
+        raise ValueError(msg)
+    neighbors = check_int(smooth, "smooth", minimum=dim + 1, hint=" neighbors")
+    return neighbors, False
+
+
+def check_outliers(outliers: Any) -> float:
+    """Distance of an outlier, 0 to keep all."""
+    if outliers is False or isinstance(outliers, np.bool_) and not outliers:
+        return 0.0
+    if isinstance(outliers, str) and outliers == "auto":
+        return OUTLIER_DISTANCE
+    if isinstance(outliers, (str, bool, np.bool_)):
+        msg = f'outliers is {outliers!r}, expected "auto", False or a distance'
+        raise ValueError(msg)
+    return check_positive(outliers, "outliers")
 
 
 def check_boundary(boundary: Any, num_samples: int) -> tuple[str, NDArray[np.bool_]]:

@@ -21,9 +21,12 @@ from remanifold._validation import (
     check_int,
     check_num_neighbors,
     check_num_threads,
+    check_outliers,
     check_positive,
     check_samples,
+    check_smooth,
 )
+from remanifold.cleaning import as_points, smoothing_of
 from remanifold.steps import (
     CHECKS,
     EDGE_RULES,
@@ -40,6 +43,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from remanifold._progress import Callback
+    from remanifold.cleaning import Smoothing
 
 METHODS = ("manifold", "paper")
 
@@ -74,8 +78,8 @@ class Repair(ReadOnlyArrays):
         Manifold method: vertices whose link is neither a sphere nor a ball, by the same
         test as `Topology.singular_vertices` up to K = 3.
     unused_vertices : ndarray of int32
-        Samples in no simplex; merged copies are not listed. With the manifold method
-        they are outliers, too far from all simplices around their neighbors.
+        Samples in no simplex but for merged copies and `Reconstruction.outliers`. With
+        the manifold method they are too far from all simplices around their neighbors.
     merged_samples : int
         Samples that coincide with one of lower index and were merged with it.
     hole_radius : float
@@ -141,8 +145,11 @@ class Reconstruction(ReadOnlyArrays):
     Attributes
     ----------
     vertices : ndarray, shape (N, D), float64, or None
+        Where the samples stand in the complex: `samples`, or `smoothing.points`.
+    samples : ndarray, shape (N, D), float64, or None
         The samples, a view of the given array where that was C-contiguous float64; None
-        where only `gram` or `distances` were given.
+        where only `gram` or `distances` were given. They are as good vertices as
+        `vertices`, noise included.
     simplices : ndarray, shape (M, K+1), int32
         K-simplices, rows in the order of their sorted vertices. Columns ascend, but with
         the manifold method the last two may have changed places: where a set of simplices
@@ -153,6 +160,11 @@ class Reconstruction(ReadOnlyArrays):
         Samples on an open face (paper: samples without a tangent basis, BD).
     representatives : ndarray, shape (N,), int32
         Lowest index of the samples that coincide with each sample.
+    outliers : ndarray of int32
+        Samples left out, ascending: they do not lie on the manifold of the others.
+    smoothing : Smoothing or None
+        How noisy the samples were and what was done about it; None with
+        ``smooth=False``.
     dim, ambient_dim : int
         K and D (None where only products are known).
     method, estimator, search : str
@@ -177,9 +189,12 @@ class Reconstruction(ReadOnlyArrays):
     """
 
     vertices: NDArray[np.float64] | None
+    samples: NDArray[np.float64] | None
     simplices: NDArray[np.int32]
     boundary: NDArray[np.bool_]
     representatives: NDArray[np.int32]
+    outliers: NDArray[np.int32]
+    smoothing: Smoothing | None
     dim: int
     ambient_dim: int | None
     method: str
@@ -282,6 +297,7 @@ class Reconstruction(ReadOnlyArrays):
         )
         used = np.zeros(self.num_samples, dtype=bool)
         used[self.simplices.ravel()] = True
+        used[self.outliers] = True  # reported as such
         none = np.empty(0, dtype=np.int32)
         no_simplices = np.empty((0, self.dim + 1), dtype=np.int32)
         return Repair(
@@ -313,6 +329,8 @@ def reconstruct(
     method: str = "manifold",
     boundary: str | bool | ArrayLike = "auto",
     hole_radius: float | None = None,
+    outliers: str | bool | float | None = None,
+    smooth: str | bool | int = False,
     gram: ArrayLike | None = None,
     distances: ArrayLike | None = None,
     num_neighbors: int | None = None,
@@ -342,6 +360,12 @@ def reconstruct(
         of the local scale (the distance to the (2K+2)-th neighbor, for K = 2 about 1.4
         times the root of the area per sample; for K = 1 to the sixth). By default from
         3 for samples that lie at random to 1.4 for even ones.
+    outliers : "auto", False or float, optional
+        Distance from the manifold of the others at which a sample is left out, in local
+        scales; "auto", by default with the manifold method, is 2. See `find_outliers`.
+    smooth : False, "auto", True or int
+        Move the samples onto the manifold before: not at all, where they are noisy, in
+        any case, or by fits to so many neighbors. See `remanifold.smooth`.
     gram, distances : array_like, shape (N, N), optional
         Inner products or distances of the samples, instead of `points`. `gram` must be
         positive semidefinite, and Hermitian if complex.
@@ -409,15 +433,22 @@ def reconstruct(
         raise ValueError(msg)
     edges = "mutual" if edges is None else edges
     check_choice(edges, "edges", EDGE_RULES)
+    distance = check_outliers(
+        ("auto" if manifold else False) if outliers is None else outliers
+    )
+    smoothing_neighbors, only_noise = check_smooth(smooth, k)
+    given = as_points(samples) if smoothing_neighbors >= 0 else samples
     result: dict[str, Any]
     with progress_callback(progress) as callback:
-        common = (samples.kind, samples.matrix, k, neighbors, estimator)
+        common = (given.kind, given.matrix, k, neighbors, estimator)
+        cleaning = (distance, smoothing_neighbors, only_noise)
         if manifold:
             result = _core.reconstruct_manifold(
                 *common,
                 rule,
                 mask,
                 radius,
+                *cleaning,
                 search,
                 checks,
                 solve_program,
@@ -426,12 +457,16 @@ def reconstruct(
             )
         else:
             result = _core.reconstruct_paper(
-                *common, edges, search, checks, threads, callback
+                *common, edges, *cleaning, search, checks, threads, callback
             )
     warn_of_recall(result["search"], result["recall"])
+    known = samples.kind == "points"
+    smoothing = None
+    if smoothing_neighbors >= 0:
+        smoothing = smoothing_of(given, result["cleaning"], known)
     vertices = None
-    if samples.kind == "points":
-        vertices = samples.matrix.view()
+    if known:
+        vertices = samples.matrix.view() if smoothing is None else smoothing.points
     report = {}
     paper: dict[str, Any] = {}
     if manifold:
@@ -453,13 +488,16 @@ def reconstruct(
             "unbounded": result["unbounded"],
             "edge_rule": edges,
         }
-    tangents = result["tangents"]
+    tangents = result["tangents"] if known else None
     frames = tangents if isinstance(tangents, tuple) else None
     rec = Reconstruction(
         vertices=vertices,
+        samples=samples.matrix.view() if known else None,
         simplices=result["simplices"],
         boundary=result["boundary"],
         representatives=result["representatives"],
+        outliers=result["cleaning"]["outliers"],
+        smoothing=smoothing,
         dim=k,
         ambient_dim=None if vertices is None else vertices.shape[1],
         method=method,
@@ -473,8 +511,8 @@ def reconstruct(
         **paper,
     )
     # What is known already fills the places of the cached properties.
-    known = {"tangents": tangents, "edges": result.get("edges")}
-    for name, array in known.items():
+    computed = {"tangents": tangents, "edges": result.get("edges")}
+    for name, array in computed.items():
         if isinstance(array, np.ndarray):
             array.flags.writeable = False
             vars(rec)[name] = array

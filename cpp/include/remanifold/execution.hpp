@@ -12,6 +12,8 @@ namespace remanifold {
 enum class Step : int {
   kPrepare,
   kNeighborhoods,
+  kOutliers,
+  kSmoothing,
   kTangentSpaces,
   kLocalRegions,
   kComplex,

@@ -6,7 +6,9 @@
 #include "remanifold/execution.hpp"
 #include "remanifold/manifold_complex.hpp"
 #include "remanifold/neighborhoods.hpp"
+#include "remanifold/outliers.hpp"
 #include "remanifold/samples.hpp"
+#include "remanifold/smoothing.hpp"
 #include "remanifold/tangent_space.hpp"
 #include "remanifold/types.hpp"
 
@@ -19,6 +21,20 @@ struct ReconstructOptions {
   TangentOptions tangent;
   SearchOptions search;
   EdgeRule edges = EdgeRule::kMutual;
+  /// OutlierOptions::distance; 0 keeps all samples.
+  double outlier_distance = 0;
+  bool smooth = false;
+  SmoothingOptions smoothing;  ///< its dim and search are those above
+};
+
+/// What was done to the samples before, in the caller's numbering and units.
+struct Cleaning {
+  std::vector<Index> outliers;        ///< left out, ascending
+  std::vector<double> displacements;  ///< N x D; empty where nothing was moved
+  Index smoothing_neighbors = 0;
+  int smoothing_rounds = 0;
+  double noise = 0;             ///< as in Smoothing; NaN where not estimated
+  double prediction_error = 0;  ///< likewise
 };
 
 /// Wall seconds of each step. All that touches the D coordinates counts as neighborhoods:
@@ -26,6 +42,7 @@ struct ReconstructOptions {
 /// the other steps does not depend on D.
 struct StepSeconds {
   double prepare = 0;
+  double cleaning = 0;  ///< outliers and smoothing
   double neighborhoods = 0;
   double coordinates = 0;  ///< the part of neighborhoods besides the first search
   double tangent_spaces = 0;
@@ -59,6 +76,7 @@ struct Reconstruction {
       1.0;  ///< below 1 only for the approximate search; measured on a sample
   Offset neighbors_used = 0;
   Offset vacuous_constraints = 0;
+  Cleaning cleaning;
   StepSeconds seconds;
 };
 
@@ -81,8 +99,14 @@ struct ManifoldReconstruction {
   std::vector<Index> representatives;  ///< N
   SearchMethod search = SearchMethod::kAuto;
   double recall = 1.0;
+  Cleaning cleaning;
   StepSeconds seconds;
 };
+
+/// Outliers and smoothed positions alone.
+/// \throws std::invalid_argument, Cancelled
+Cleaning clean(const Samples& samples, const ReconstructOptions& options,
+               const Execution& execution = {});
 
 /// The minimum-energy chain through what the stars agree on. Best with Estimator::kJet.
 /// \param manifold  boundary samples in the caller's numbering

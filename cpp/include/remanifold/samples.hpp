@@ -35,6 +35,13 @@ class Samples {
   /// \param neighborhoods  with squared distances; must outlive the result
   Samples knowing(const Neighborhoods& neighborhoods) const;
 
+  /// The same samples but for some, which then have a place among the input only.
+  /// \param left_out  numbers of these here
+  Samples without(const std::vector<Index>& left_out) const;
+  /// The same samples at other points. Those that coincide there are merged.
+  /// \param points  size() rows, canonical lengths
+  Samples moved_to(MatrixView points, const Execution& execution = {}) const;
+
   Index size() const { return static_cast<Index>(input_index_.size()); }
   Index input_size() const { return static_cast<Index>(representatives_.size()); }
   /// True where coordinates are known.
@@ -48,7 +55,7 @@ class Samples {
   Index input_index(Index i) const { return input_index_[i]; }
   /// For each input sample, the lowest input number of those it coincides with.
   const std::vector<Index>& representatives() const { return representatives_; }
-  /// For each input sample, its number here.
+  /// For each input sample, its number here; -1 where it was left out.
   std::vector<Index> canonical_indices() const;
 
   /// Scaled coordinates, size() x D; null where only products are known.

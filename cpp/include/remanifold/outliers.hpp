@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Samples that do not lie on the manifold of the others. A sample is judged by its
+// neighbors: by its normal distances from the quadrics through their neighborhoods,
+// without itself, of which the lower quartile counts, since at a crease or a corner some
+// neighbors lie on the same side. Outliers hide each other, so that the search is repeated
+// among the rest until none is found.
+#pragma once
+
+#include "remanifold/execution.hpp"
+#include "remanifold/neighborhoods.hpp"
+#include "remanifold/samples.hpp"
+#include "remanifold/types.hpp"
+
+#include <vector>
+
+namespace remanifold {
+
+struct OutlierOptions {
+  int dim = 0;  ///< K
+  /// Distance from which on a sample is an outlier, in units of the local scale (the
+  /// distance to the (2K+2)-th neighbor around it, and no more than twice the median of
+  /// these). Noisy samples lie apart anyway: no less than six times the distance that one
+  /// in four exceeds.
+  double distance = 2;
+};
+
+/// The outliers, ascending. Costs next to nothing where no sample lies apart from others.
+/// \throws std::invalid_argument  K < 1, or a distance that is not positive
+std::vector<Index> find_outliers(const Samples& samples, const NeighborSearch& search,
+                                 const Neighborhoods& neighborhoods,
+                                 const OutlierOptions& options,
+                                 const Execution& execution = {});
+
+}  // namespace remanifold
