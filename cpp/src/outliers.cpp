@@ -21,14 +21,18 @@ constexpr Index kFewestVotes = 15;
 constexpr double kQuantile = 0.25;
 constexpr double kMedianScales = 2;
 constexpr double kNoiseQuantile = 0.75;
-constexpr double kNoiseFactor = 6;
+constexpr double kNoiseFactor = 8;
 /// Outliers far from everything are each other's neighbors. There they are sparse, this
 /// many times the median scale, and no quadrics agree on where they are: on average over
 /// the neighbors, distances in units of the local scale reach this, and this many times
 /// that of all samples.
 constexpr double kSparse = 3;
 constexpr double kScattered = 0.25;
-constexpr double kScatteredFactor = 3;
+constexpr double kScatteredFactor = 2;
+/// Where samples are sparse, an outlier is at least this many of the scales there away.
+constexpr double kLocalScales = 1;
+/// Where coarse sampling is all there is to it, few of the sparse samples are like that.
+constexpr std::size_t kScatteredShare = 3;
 /// Samples that stand for all others.
 constexpr Index kProbes = 300;
 /// More sparse samples than this are looked at only where some of them are scattered.
@@ -185,17 +189,22 @@ class OutlierFinder {
     return around[count / 2];
   }
 
+  struct Unit {
+    double local;
+    double capped;
+  };
+
   std::vector<Index> find() {
     Scratch scratch;
     std::vector<Index> apart;
-    std::vector<double> units;
+    std::vector<Unit> units;
     std::vector<Index> sparse;
     for (const Index x : alive_) {
       // Cheap, and passes nearly all.
       if (apart_[x] > options_.distance * std::min(scales_[x] / 2, median_scale_)) {
-        const double unit =
-            std::min(median_around(x, scales_, scratch), kMedianScales * median_scale_);
-        if (apart_[x] > options_.distance * unit) {
+        const double local = median_around(x, scales_, scratch);
+        const Unit unit{local, std::min(local, kMedianScales * median_scale_)};
+        if (apart_[x] > options_.distance * unit.capped) {
           apart.push_back(x);
           units.push_back(unit);
         }
@@ -226,7 +235,8 @@ class OutlierFinder {
 
     const std::vector<double> values = distances(apart);
     for (std::size_t i = 0; i < apart.size(); ++i) {
-      if (std::min(values[i], apart_[apart[i]]) > least * units[i]) {
+      const double away = std::min(values[i], apart_[apart[i]]);
+      if (away > least * units[i].capped && away > kLocalScales * units[i].local) {
         found.push_back(apart[i]);
       }
     }
@@ -243,7 +253,9 @@ class OutlierFinder {
         }
       }
       const std::vector<Index> far = find_scattered(sparse, scattered);
-      found.insert(found.end(), far.begin(), far.end());
+      if (far.size() * kScatteredShare >= sparse.size()) {
+        found.insert(found.end(), far.begin(), far.end());
+      }
     }
     std::sort(found.begin(), found.end());
     found.erase(std::unique(found.begin(), found.end()), found.end());

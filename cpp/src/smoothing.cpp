@@ -28,7 +28,7 @@ constexpr double kHopeless = 1.3;
 constexpr double kTrimmed = 0.05;
 /// Noise is where neighborhoods of so many unknowns predict better than small ones, by
 /// this factor.
-constexpr double kLeastNoisySize = 4;
+constexpr double kLeastNoisySize = 6;
 constexpr double kLeastGain = 0.98;
 /// Where the members of a neighborhood lie this much farther from its quadric than its
 /// middle does, the neighborhood is more than the graph of a quadric.

@@ -19,7 +19,7 @@ struct OutlierOptions {
   int dim = 0;  ///< K
   /// Distance from which on a sample is an outlier, in units of the local scale (the
   /// distance to the (2K+2)-th neighbor around it, and no more than twice the median of
-  /// these). Noisy samples lie apart anyway: no less than six times the distance that one
+  /// these). Noisy samples lie apart anyway: no less than eight times the distance that one
   /// in four exceeds.
   double distance = 2;
 };
