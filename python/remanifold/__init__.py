@@ -19,6 +19,7 @@ except ImportError as error:
 
 from remanifold import datasets, io
 from remanifold.cleaning import Smoothing, find_outliers, smooth
+from remanifold.dimension import DimensionEstimate, estimate_dimension
 from remanifold.reconstruction import Reconstruction, Repair, reconstruct
 from remanifold.steps import (
     EdgeSets,
@@ -33,11 +34,18 @@ from remanifold.steps import (
     tangent_spaces,
 )
 from remanifold.topology import Topology, compute_topology
-from remanifold.warnings import ManifoldWarning, RecallWarning, RemanifoldWarning
+from remanifold.warnings import (
+    DimensionWarning,
+    ManifoldWarning,
+    RecallWarning,
+    RemanifoldWarning,
+)
 
 __version__: str = _core.__version__
 
 __all__ = [
+    "DimensionEstimate",
+    "DimensionWarning",
     "EdgeSets",
     "LocalRegions",
     "ManifoldWarning",
@@ -55,6 +63,7 @@ __all__ = [
     "compute_topology",
     "datasets",
     "edge_sets",
+    "estimate_dimension",
     "find_outliers",
     "io",
     "local_regions",

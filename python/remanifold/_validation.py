@@ -159,7 +159,11 @@ def check_positive(value: Any, name: str) -> float:
 
 def check_smooth(smooth: Any, dim: int) -> tuple[int, bool]:
     """Neighbors of a fit, -1 for none and 0 for a choice, and whether noise is needed."""
-    if smooth is None or smooth is False or isinstance(smooth, np.bool_) and not smooth:
+    if (
+        smooth is None
+        or smooth is False
+        or (isinstance(smooth, np.bool_) and not smooth)
+    ):
         return -1, False
     if isinstance(smooth, str) and smooth == "auto":
         return 0, True
@@ -174,7 +178,7 @@ def check_smooth(smooth: Any, dim: int) -> tuple[int, bool]:
 
 def check_outliers(outliers: Any) -> float:
     """Distance of an outlier, 0 to keep all."""
-    if outliers is False or isinstance(outliers, np.bool_) and not outliers:
+    if outliers is False or (isinstance(outliers, np.bool_) and not outliers):
         return 0.0
     if isinstance(outliers, str) and outliers == "auto":
         return OUTLIER_DISTANCE

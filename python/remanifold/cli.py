@@ -1,26 +1,30 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The command line: ``remanifold reconstruct INPUT --dim K -o OUT``.
 
-The result goes to a file, the report to standard output, everything else to standard
+``remanifold dimension INPUT`` finds K. The result goes to a file, the report to standard output, everything else to standard
 error. Exit codes: 0 done, 1 the run or a file failed, 2 wrong usage, 130 interrupted.
 """
 
 from __future__ import annotations
 
+import contextlib
+import itertools
 import json
 import time
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
+import numpy as np
 import typer
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
 import remanifold as rm
-from remanifold._validation import check_num_neighbors, check_positive
+from remanifold._validation import check_int, check_num_neighbors, check_positive
+from remanifold.dimension import LOW_CONFIDENCE, SMALLEST_SCALE, low_confidence
 from remanifold.io import check_output, read_points, write_mesh
 from remanifold.reconstruction import METHODS
 from remanifold.steps import EDGE_RULES, ESTIMATORS, SEARCHES
@@ -68,6 +72,31 @@ def _choice(words: tuple[str, ...], text: str, show_default: str | bool = True) 
     )
 
 
+def _dim_or_auto(text: str) -> int | str:
+    if text == "auto":
+        return text
+    try:
+        return check_int(int(text), "dim", minimum=1)
+    except ValueError:
+        msg = f"{text!r} is neither a positive integer nor 'auto'."
+        raise typer.BadParameter(msg) from None
+
+
+@contextlib.contextmanager
+def _failures(messages: Console) -> Iterator[None]:
+    """Say in one line what failed, and exit."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        _say(messages, "interrupted", "red")
+        raise typer.Exit(130) from None
+    except typer.BadParameter:
+        raise
+    except Exception as error:  # noqa: BLE001  one line for the user, whatever it is
+        _say(messages, f"error: {_describe(error)}", "red")
+        raise typer.Exit(1) from None
+
+
 @app.callback()
 def _root(
     _: Annotated[
@@ -91,8 +120,14 @@ def reconstruct(
         ),
     ],
     dim: Annotated[
-        int,
-        typer.Option("--dim", "-k", min=1, help="Dimension K of the manifold."),
+        Any,
+        typer.Option(
+            "--dim",
+            "-k",
+            parser=_dim_or_auto,
+            metavar="[INTEGER|auto]",
+            help="Dimension K of the manifold, or auto: estimated from the samples.",
+        ),
     ],
     output: Annotated[
         Path,
@@ -159,10 +194,23 @@ def reconstruct(
 ) -> None:
     """Reconstruct a manifold from samples and write it as a mesh."""
     messages = Console(stderr=True, soft_wrap=True, highlight=False)
-    try:
+    found: rm.DimensionEstimate | None = None
+    seconds: dict[str, float] = {}
+    with _failures(messages):
         _check_method(method, boundary, hole_radius, edges)
-        _check_usage(source, output, dim, num_neighbors)
-        points, seconds_read = _timed(lambda: read_points(source))
+        # Every mesh format holds triangles.
+        _check_usage(source, output, 2 if dim == "auto" else dim, num_neighbors)
+        points, seconds["read"] = _timed(lambda: read_points(source))
+        show_progress = messages.is_terminal and not quiet
+        if dim == "auto":
+            found, seconds["dimension"] = _timed(
+                lambda: rm.estimate_dimension(
+                    points, num_threads=threads, progress=show_progress
+                )
+            )
+            dim = found.dim
+            if found.confidence >= LOW_CONFIDENCE and not quiet:
+                _say(messages, found.verdict, "none")
         _check_usage(source, output, dim, num_neighbors, points.shape[1])
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", rm.RemanifoldWarning)
@@ -177,21 +225,17 @@ def reconstruct(
                 edges=edges,
                 search=search,
                 num_threads=threads,
-                progress=messages.is_terminal and not quiet,
+                progress=show_progress,
             )
         report = _report(rec)
         _, seconds_written = _timed(lambda: write_mesh(output, points, rec.simplices))
-    except KeyboardInterrupt:
-        _say(messages, "interrupted", "red")
-        raise typer.Exit(130) from None
-    except typer.BadParameter:
-        raise
-    except Exception as error:  # noqa: BLE001  one line for the user, whatever it is
-        _say(messages, f"error: {_describe(error)}", "red")
-        raise typer.Exit(1) from None
 
-    seconds = {"read": seconds_read, **report["seconds"], "write": seconds_written}
+    seconds = {**seconds, **report["seconds"], "write": seconds_written}
     complaints = [str(warning.message) for warning in caught]
+    if found is not None:
+        report["dim_estimate"] = _dim_report(found)
+        if found.confidence < LOW_CONFIDENCE:
+            complaints.insert(0, low_confidence(found))
     warned = any(issubclass(w.category, rm.ManifoldWarning) for w in caught)
     complaints += _complaints(report, warned)
     paper = method == "paper"
@@ -210,6 +254,99 @@ def reconstruct(
         typer.echo(json.dumps(report, indent=2))
     elif not quiet:
         Console(highlight=False).print(_table(report))
+
+
+@app.command()
+def dimension(
+    source: Annotated[
+        Path, typer.Argument(metavar="INPUT", help="Samples, as for reconstruct.")
+    ],
+    num_neighbors: Annotated[
+        int | None,
+        typer.Option(
+            min=SMALLEST_SCALE,
+            show_default="found from the samples",
+            help="The scale to decide at, as neighbors per sample.",
+        ),
+    ] = None,
+    threads: Annotated[
+        int | None, typer.Option(min=1, show_default="all cores", help="Threads.")
+    ] = None,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Report as a JSON object.")
+    ] = False,
+    quiet: Annotated[
+        bool, typer.Option("--quiet", "-q", help="No progress or warnings.")
+    ] = False,
+) -> None:
+    """Estimate the dimension of the manifold that the samples lie on."""
+    messages = Console(stderr=True, soft_wrap=True, highlight=False)
+    with _failures(messages):
+        points, seconds_read = _timed(lambda: read_points(source))
+        found, seconds_found = _timed(
+            lambda: rm.estimate_dimension(
+                points,
+                num_neighbors=num_neighbors,
+                num_threads=threads,
+                progress=messages.is_terminal and not quiet,
+            )
+        )
+    if found.confidence < LOW_CONFIDENCE and not quiet:
+        _say(messages, f"warning: {low_confidence(found)}", "yellow")
+    report = {
+        "input": str(source),
+        "num_samples": len(points),
+        "ambient_dim": points.shape[1],
+        "dim": found.dim,
+        **_dim_report(found),
+        "seconds": {"read": seconds_read, "dimension": seconds_found},
+    }
+    if as_json:
+        typer.echo(json.dumps(report, indent=2))
+    else:
+        Console(highlight=False).print(_dim_table(report))
+
+
+def _dim_report(found: rm.DimensionEstimate) -> dict[str, Any]:
+    values, counts = np.unique(found.per_sample, return_counts=True)
+    return {
+        "confidence": found.confidence,
+        "estimates": found.estimates,
+        "num_neighbors": found.num_neighbors,
+        "samples_by_dim": {
+            str(k): n for k, n in zip(values.tolist(), counts.tolist(), strict=True)
+        },
+        "scales": found.scales.tolist(),
+        "dims": found.dims.tolist(),
+        "verdict": found.verdict,
+    }
+
+
+def _dim_table(report: dict[str, Any]) -> Table:
+    runs = []
+    for dim, group in itertools.groupby(
+        zip(report["dims"], report["scales"], strict=True), key=lambda pair: pair[0]
+    ):
+        scales = [f"{scale:,}" for _, scale in group]
+        ends = scales[0] if len(scales) == 1 else f"{scales[0]} to {scales[-1]}"
+        runs.append(f"{dim or 'unclear'} at {ends}")
+    rows = {
+        "samples": f"{report['num_samples']:,} in R^{report['ambient_dim']}",
+        "dimension": str(report["dim"]),
+        "confidence": f"{report['confidence']:.2f}",
+        "by samples": ", ".join(
+            f"{dim} at {count:,}" for dim, count in report["samples_by_dim"].items()
+        ),
+        "by neighbors": ", ".join(runs),
+        "local PCA": f"{report['estimates']['local_pca']:.2f}",
+        "maximum likelihood": f"{report['estimates']['maximum_likelihood']:.2f}",
+        "TwoNN": f"{report['estimates']['two_nn']:.2f}",
+        "decided at": f"{report['num_neighbors']:,} neighbors",
+        "seconds": "\n".join(
+            f"{s:.2f} {name}" for name, s in report["seconds"].items()
+        ),
+    }
+    return _rows(rows)
 
 
 def _check_method(
@@ -352,7 +489,12 @@ def _table(report: dict[str, Any]) -> Table:
     rows = {
         "method": report["method"],
         "samples": f"{report['num_samples']:,} in R^{report['ambient_dim']}",
-        "dimension": str(report["dim"]),
+        "dimension": str(report["dim"])
+        + (
+            f" (estimated, confidence {report['dim_estimate']['confidence']:.2f})"
+            if "dim_estimate" in report
+            else ""
+        ),
         "simplices": ", ".join(
             f"{count:,} {name}"
             for count, name in zip(report["num_simplices"], names, strict=True)
@@ -388,6 +530,10 @@ def _table(report: dict[str, Any]) -> Table:
         ),
         "written": report["output"],
     }
+    return _rows(rows)
+
+
+def _rows(rows: dict[str, str]) -> Table:
     table = Table(show_header=False, box=None, pad_edge=False)
     table.add_column(style="bold", no_wrap=True)
     table.add_column(overflow="fold")

@@ -27,6 +27,7 @@ from remanifold._validation import (
     check_smooth,
 )
 from remanifold.cleaning import as_points, smoothing_of
+from remanifold.dimension import find_dimension
 from remanifold.steps import (
     CHECKS,
     EDGE_RULES,
@@ -324,7 +325,7 @@ class Reconstruction(ReadOnlyArrays):
 
 def reconstruct(
     points: ArrayLike | None = None,
-    dim: int | None = None,
+    dim: int | str | None = None,
     *,
     method: str = "manifold",
     boundary: str | bool | ArrayLike = "auto",
@@ -347,8 +348,9 @@ def reconstruct(
     ----------
     points : array_like, shape (N, D)
         Samples; complex samples count as real ones of dimension 2 D.
-    dim : int
-        K, the dimension of the manifold.
+    dim : int or "auto"
+        K, the dimension of the manifold; "auto" for that of `estimate_dimension`, with a
+        `DimensionWarning` where its confidence is below a half.
     method : {"manifold", "paper"}
         The chain of least energy through the simplices that all samples agree on, or the
         simplicial complex SC(X) of Freedman (2002).
@@ -417,6 +419,8 @@ def reconstruct(
     check_choice(estimator, "estimator", ESTIMATORS)
     check_choice(search, "search", SEARCHES)
     samples = check_samples(points, gram, distances)
+    if isinstance(dim, str) and dim == "auto":
+        dim = find_dimension(samples, check_num_threads(num_threads), progress)
     k = check_dim(dim, samples)
     if num_neighbors is None and manifold:
         num_neighbors = 3 * (k + k * (k + 1) // 2)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Warning classes, all under one base so that they can be filtered together."""
 
-__all__ = ["ManifoldWarning", "RecallWarning", "RemanifoldWarning"]
+__all__ = ["DimensionWarning", "ManifoldWarning", "RecallWarning", "RemanifoldWarning"]
 
 
 class RemanifoldWarning(UserWarning):
@@ -10,6 +10,10 @@ class RemanifoldWarning(UserWarning):
 
 class RecallWarning(RemanifoldWarning):
     """The approximate neighbor search missed neighbors."""
+
+
+class DimensionWarning(RemanifoldWarning):
+    """The dimension that was found from the samples is uncertain."""
 
 
 class ManifoldWarning(RemanifoldWarning):

@@ -796,7 +796,9 @@ def test_functions_are_documented(function):
 def test_examples_in_docstrings(name):
     result = doctest.testmod(importlib.import_module(name))
     assert result.failed == 0
-    with_examples = ("remanifold", "datasets", "io", "reconstruction", "steps")
+    with_examples = (
+        *("remanifold", "datasets", "dimension", "io", "reconstruction", "steps"),
+    )
     assert (result.attempted > 0) == (name.rpartition(".")[2] in with_examples)
 
 

@@ -25,6 +25,7 @@ TRIANGLE = np.array([[0, 1, 2]], dtype=np.int32)
 RIGHT = {
     rm.reconstruct: {"points": POINTS, "dim": 2},
     rm.tangent_spaces: {"points": POINTS, "dim": 2},
+    rm.estimate_dimension: {"points": POINTS},
     rm.neighborhoods: {"points": POINTS, "num_neighbors": 3},
     rm.local_regions: {"points": POINTS, "bases": FRAMES},
     rm.edge_sets: {"points": POINTS, "bases": FRAMES},
@@ -313,7 +314,8 @@ NUMBERS_AND_WORDS = {
 )
 def test_numbers_and_words(function, argument, value, error, says):
     if argument == "num_neighbors" and function is not rm.neighborhoods:
-        says = says.replace("at least 1", "at least 3")
+        least = "at least 6" if function is rm.estimate_dimension else "at least 3"
+        says = says.replace("at least 1", least)
     if argument == "search" and function not in WITH_APPROXIMATE_SEARCH:
         says = says.replace(", 'approximate'", "$")
     optional = function is rm.reconstruct and argument in ("estimator", "edges")
@@ -355,7 +357,9 @@ def test_number_of_neighbors_is_required():
         rm.neighborhoods(POINTS)
 
 
-@pytest.mark.parametrize("function", [f for f in RIGHT if takes(f, "gram")])
+@pytest.mark.parametrize(
+    "function", [f for f in RIGHT if takes(f, "gram") and takes(f, "search")]
+)
 @pytest.mark.parametrize("argument", ["gram", "distances"])
 def test_trees_need_points(function, argument):
     samples = {"gram": GRAM, "distances": DISTANCES}[argument]
