@@ -24,12 +24,13 @@ constexpr double kSizes[] = {1.5, 2, 3, 4.5, 7, 10, 15, 22, 33, 50, 75};
 constexpr Index kLargestShare = 4;
 /// Where predictions have become this much worse, larger neighborhoods are not tried.
 constexpr double kHopeless = 1.3;
-/// The worst predictions do not count: creases, outliers.
-constexpr double kTrimmed = 0.05;
-/// Noise is where neighborhoods of so many unknowns predict better than small ones, by
-/// this factor.
+/// The worst predictions do not count, for a few outliers; no more, since the worst show
+/// where neighborhoods are too small to know the tangent space.
+constexpr double kTrimmed = 0.01;
+/// Noise is where neighborhoods of so many unknowns predict better than smaller ones, and
+/// where it is more than this share of the distance to the nearest neighbor.
 constexpr double kLeastNoisySize = 6;
-constexpr double kLeastGain = 0.98;
+constexpr double kLeastNoise = 0.01;
 /// Where the members of a neighborhood lie this much farther from its quadric than its
 /// middle does, the neighborhood is more than the graph of a quadric.
 constexpr double kBiased = 1.25;
@@ -128,7 +129,6 @@ struct Choice {
   Index num_neighbors = 0;
   double error = std::numeric_limits<double>::infinity();
   double noise = std::numeric_limits<double>::quiet_NaN();
-  double error_of_few = std::numeric_limits<double>::infinity();
 };
 
 class Smoother {
@@ -138,33 +138,28 @@ class Smoother {
       : samples_(samples), options_(options), execution_(execution) {}
 
   Smoothing run(const NeighborSearch& search) {
-    const Index most = samples_.size() - 1;
+    const Choice choice = choose(search);
     Smoothing result;
-    Choice choice = choose(samples_, search);
-    const double unknowns = detail::QuadraticFit::unknowns(options_.dim);
-    const bool noisy =
-        choice.num_neighbors >= kLeastNoisySize * unknowns &&
-        choice.error < kLeastGain * choice.error_of_few;
     result.noise = choice.noise;
     result.prediction_error = choice.error;
+    const double nearest = median_nearest(search);
+    const bool noisy =
+        choice.num_neighbors >=
+            kLeastNoisySize * detail::QuadraticFit::unknowns(options_.dim) &&
+        choice.noise > kLeastNoise * nearest;
     if (options_.only_noise && !noisy) {
       return result;
     }
-    Index count = options_.num_neighbors > 0 ? options_.num_neighbors
-                                             : choice.num_neighbors;
-    result.num_neighbors = std::min(count, most);
+    result.num_neighbors =
+        std::min(options_.num_neighbors > 0 ? options_.num_neighbors
+                                            : choice.num_neighbors,
+                 samples_.size() - 1);
     result.points = project(samples_, search, result.num_neighbors);
     result.rounds = 1;
-    if (result.noise > kConfusing * median_nearest(search)) {
+    if (result.noise > kConfusing * nearest) {
       const Samples moved = Samples::from_points(
           {result.points.data(), samples_.size(), samples_.ambient_dim()}, execution_);
       const NeighborSearch again(moved, options_.search, execution_);
-      if (options_.num_neighbors == 0) {
-        choice = choose(moved, again);
-        result.noise = choice.noise;
-        result.prediction_error = choice.error;
-        result.num_neighbors = std::min(choice.num_neighbors, most);
-      }
       result.points = project(moved, again, result.num_neighbors);
       result.rounds = 2;
     }
@@ -173,19 +168,19 @@ class Smoother {
 
  private:
   /// The size of neighborhoods that predicts best.
-  Choice choose(const Samples& arranged, const NeighborSearch& search) const {
-    const Index stride = std::max<Index>(1, arranged.size() / kProbes);
-    const Index probes = (arranged.size() + stride - 1) / stride;
+  Choice choose(const NeighborSearch& search) const {
+    const Index stride = std::max<Index>(1, samples_.size() / kProbes);
+    const Index probes = (samples_.size() + stride - 1) / stride;
     const double unknowns = detail::QuadraticFit::unknowns(options_.dim);
     Choice best;
     for (const double size : kSizes) {
       const auto count = static_cast<Index>(std::ceil(size * unknowns));
-      if (count > arranged.size() / kLargestShare && best.num_neighbors > 0) {
+      if (count > samples_.size() / kLargestShare && best.num_neighbors > 0) {
         break;
       }
       std::vector<double> errors(probes, -1);
       std::vector<double> deviations(probes, -1);
-      over(arranged, search, probes, [&](Projector& projector, Offset i) {
+      over(samples_, search, probes, [&](Projector& projector, Offset i) {
         if (projector.fit(static_cast<Index>(i) * stride, count)) {
           errors[i] = projector.prediction_error();
           deviations[i] = std::sqrt(projector.variance());
@@ -200,9 +195,6 @@ class Smoother {
       const double noise = trimmed_root_mean_square(deviations);
       if (best.num_neighbors > 0 && !(noise < kBiased * error)) {
         break;
-      }
-      if (size <= kLeastNoisySize) {
-        best.error_of_few = std::min(best.error_of_few, error);
       }
       if (error < best.error) {
         best.error = error;

@@ -171,7 +171,7 @@ def check_smooth(smooth: Any, dim: int) -> tuple[int, bool]:
         return 0, False
     if isinstance(smooth, str):
         msg = f'smooth is {smooth!r}, expected "auto", True, False or a number'
-        raise ValueError(msg)
+        raise ValueError(msg)  # noqa: TRY004
     neighbors = check_int(smooth, "smooth", minimum=dim + 1, hint=" neighbors")
     return neighbors, False
 
@@ -184,7 +184,7 @@ def check_outliers(outliers: Any) -> float:
         return OUTLIER_DISTANCE
     if isinstance(outliers, (str, bool, np.bool_)):
         msg = f'outliers is {outliers!r}, expected "auto", False or a distance'
-        raise ValueError(msg)
+        raise ValueError(msg)  # noqa: TRY004
     return check_positive(outliers, "outliers")
 
 

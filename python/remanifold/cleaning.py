@@ -15,10 +15,10 @@ from remanifold._validation import (
     Input,
     check_choice,
     check_dim,
+    check_num_neighbors,
     check_num_threads,
     check_outliers,
     check_samples,
-    check_smooth,
 )
 from remanifold.steps import CHECKS, EXACT_SEARCHES
 
@@ -40,7 +40,7 @@ class Smoothing(ReadOnlyArrays):
     noise : float
         Root of the mean squared normal distance of the samples from the manifold, over
         all normal directions together, in the units of the samples: the residuals of the
-        fits, less what a fit itself takes up. The worst 5 % do not count. NaN where
+        fits, less what a fit itself takes up. The worst 1 % do not count. NaN where
         there are too few samples.
     prediction_error : float
         Root of the mean squared normal distance of a sample from what the others
@@ -66,8 +66,9 @@ class Smoothing(ReadOnlyArrays):
 def smooth(
     points: ArrayLike | None = None,
     dim: int | None = None,
-    smooth: str | bool | int = True,
+    num_neighbors: int | None = None,
     *,
+    only_noise: bool = False,
     search: str = "auto",
     num_threads: int | None = None,
     progress: bool | Callback | None = None,
@@ -85,10 +86,12 @@ def smooth(
         Samples; complex samples count as real ones of dimension 2 D.
     dim : int
         K, the dimension of the manifold.
-    smooth : {True, "auto"} or int
-        True smooths in any case; "auto" leaves the samples alone unless large
-        neighborhoods predict them better than small ones, which is what noise does; a
-        number is that of the neighbors of a fit, at least K + 1.
+    num_neighbors : int, optional
+        Neighbors of each fit, at least K + 1, weighted down to zero at the last; by
+        default as cross-validation finds.
+    only_noise : bool
+        Leave the samples alone unless large neighborhoods predict them better than small
+        ones, which is what noise does.
     search : {"auto", "kdtree", "brute_force"}
         An exact search, see `neighborhoods`.
     num_threads : int, optional
@@ -122,17 +125,16 @@ def smooth(
     given = check_samples(points)
     k = check_dim(dim, given)
     check_choice(search, "search", EXACT_SEARCHES)
-    neighbors, only_noise = check_smooth(smooth, k)
-    if neighbors < 0:
-        msg = 'smooth is False, expected True, "auto" or a number of neighbors'
-        raise ValueError(msg)
+    neighbors = 0
+    if num_neighbors is not None:
+        neighbors = check_num_neighbors(num_neighbors, k)
     with progress_callback(progress) as callback:
         report = _core.clean(
             *given,
             k,
             0.0,
             neighbors,
-            only_noise,
+            bool(only_noise),
             search,
             CHECKS,
             check_num_threads(num_threads),

@@ -10,6 +10,7 @@ from __future__ import annotations
 import contextlib
 import itertools
 import json
+import math
 import time
 import warnings
 from collections.abc import Callable, Iterator
@@ -23,7 +24,12 @@ from rich.table import Table
 from rich.text import Text
 
 import remanifold as rm
-from remanifold._validation import check_int, check_num_neighbors, check_positive
+from remanifold._validation import (
+    check_int,
+    check_num_neighbors,
+    check_positive,
+    check_smooth,
+)
 from remanifold.dimension import LOW_CONFIDENCE, SMALLEST_SCALE, low_confidence
 from remanifold.io import check_output, read_points, write_mesh
 from remanifold.reconstruction import METHODS
@@ -97,6 +103,26 @@ def _failures(messages: Console) -> Iterator[None]:
         raise typer.Exit(1) from None
 
 
+def _outliers(text: str) -> Any:
+    if text in ("auto", "keep"):
+        return {"auto": "auto", "keep": False}[text]
+    try:
+        return check_positive(float(text), "outliers")
+    except ValueError:
+        msg = f"{text!r} is neither auto, keep nor a positive number."
+        raise typer.BadParameter(msg) from None
+
+
+def _smooth(text: str) -> Any:
+    if text in ("no", "auto", "yes"):
+        return text
+    try:
+        return int(text)
+    except ValueError:
+        msg = f"{text!r} is neither no, auto, yes nor a number of neighbors."
+        raise typer.BadParameter(msg) from None
+
+
 @app.callback()
 def _root(
     _: Annotated[
@@ -156,6 +182,32 @@ def reconstruct(
             "the distance to the (2K+2)-th neighbor.",
         ),
     ] = None,
+    outliers: Annotated[
+        Any,
+        typer.Option(
+            parser=_outliers,
+            metavar="[auto|keep|DISTANCE]",
+            show_default="auto, or keep for paper",
+            help="Leave out samples at least so many local scales away from what the "
+            "others show (auto: 2), or keep all.",
+        ),
+    ] = None,
+    smooth: Annotated[
+        Any,
+        typer.Option(
+            parser=_smooth,
+            metavar="[no|auto|yes|NEIGHBORS]",
+            help="Move noisy samples onto the manifold first: auto where there is "
+            "noise, yes in any case, or by fits to so many neighbors.",
+        ),
+    ] = "no",
+    keep_positions: Annotated[
+        bool,
+        typer.Option(
+            "--keep-positions",
+            help="Write the samples where they were, not where they were moved to.",
+        ),
+    ] = False,
     num_neighbors: Annotated[
         int | None,
         typer.Option(
@@ -199,7 +251,7 @@ def reconstruct(
     with _failures(messages):
         _check_method(method, boundary, hole_radius, edges)
         # Every mesh format holds triangles.
-        _check_usage(source, output, 2 if dim == "auto" else dim, num_neighbors)
+        _check_usage(source, output, 2 if dim == "auto" else dim, num_neighbors, "no")
         points, seconds["read"] = _timed(lambda: read_points(source))
         show_progress = messages.is_terminal and not quiet
         if dim == "auto":
@@ -211,7 +263,7 @@ def reconstruct(
             dim = found.dim
             if found.confidence >= LOW_CONFIDENCE and not quiet:
                 _say(messages, found.verdict, "none")
-        _check_usage(source, output, dim, num_neighbors, points.shape[1])
+        _check_usage(source, output, dim, num_neighbors, smooth, points.shape[1])
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", rm.RemanifoldWarning)
             rec = rm.reconstruct(
@@ -220,6 +272,8 @@ def reconstruct(
                 method=method,
                 boundary=BOUNDARIES[boundary],
                 hole_radius=hole_radius,
+                outliers=outliers,
+                smooth={"no": False, "yes": True}.get(smooth, smooth),
                 num_neighbors=num_neighbors,
                 estimator=estimator,
                 edges=edges,
@@ -228,7 +282,8 @@ def reconstruct(
                 progress=show_progress,
             )
         report = _report(rec)
-        _, seconds_written = _timed(lambda: write_mesh(output, points, rec.simplices))
+        vertices: Any = rec.samples if keep_positions else rec.vertices
+        _, seconds_written = _timed(lambda: write_mesh(output, vertices, rec.simplices))
 
     seconds = {**seconds, **report["seconds"], "write": seconds_written}
     complaints = [str(warning.message) for warning in caught]
@@ -374,9 +429,15 @@ def _check_usage(
     output: Path,
     dim: int,
     num_neighbors: int | None,
+    smooth: str | int,
     ambient_dim: int | None = None,
 ) -> None:
     """Refuse what cannot work, before the work."""
+    try:
+        if isinstance(smooth, int):
+            check_smooth(smooth, dim)
+    except ValueError as error:
+        raise typer.BadParameter(str(error), param_hint="'--smooth'") from None
     try:
         check_num_neighbors(num_neighbors, dim)
     except ValueError as error:
@@ -423,6 +484,8 @@ def _report(rec: rm.Reconstruction) -> dict[str, Any]:
         "orientable": topology.orientable,
         "boundary_samples": int(rec.boundary.sum()),
         "merged_samples": repair.merged_samples,
+        "outliers": len(rec.outliers),
+        "smoothing": _smoothing_report(rec.smoothing),
         "unused_samples": len(repair.unused_vertices),
         "coface_counts": {str(n): f for n, f in topology.coface_counts.items()},
         "hole_radius": repair.hole_radius if manifold else None,
@@ -438,6 +501,23 @@ def _report(rec: rm.Reconstruction) -> dict[str, Any]:
         "singular_vertices": len(topology.singular_vertices),
         "seconds": {**rec.timings, "report": seconds_topology + seconds_repair},
     }
+
+
+def _smoothing_report(smoothing: rm.Smoothing | None) -> dict[str, Any] | None:
+    if smoothing is None:
+        return None
+    return {
+        "noise": smoothing.noise if math.isfinite(smoothing.noise) else None,
+        "num_neighbors": smoothing.num_neighbors,
+        "rounds": smoothing.rounds,
+    }
+
+
+def _smoothing_text(report: dict[str, Any]) -> str:
+    noise = "unknown" if report["noise"] is None else f"{report['noise']:.3g}"
+    if not report["num_neighbors"]:
+        return f"nothing moved, noise {noise}"
+    return f"by {report['num_neighbors']:,} neighbors, noise {noise}"
 
 
 def _complaints(report: dict[str, Any], warned: bool) -> list[str]:
@@ -510,6 +590,12 @@ def _table(report: dict[str, Any]) -> Table:
         "closed": yes_no[report["closed"]],
         "orientable": yes_no[report["orientable"]],
         "boundary samples": f"{report['boundary_samples']:,}",
+        "outliers": f"{report['outliers']:,}",
+        **(
+            {}
+            if report["smoothing"] is None
+            else {"smoothed": _smoothing_text(report["smoothing"])}
+        ),
         "unused samples": f"{report['unused_samples']:,}",
         **(
             {}

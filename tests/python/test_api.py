@@ -22,7 +22,7 @@ from remanifold.reconstruction import METHODS
 
 SEARCHES = ("auto", "kdtree", "brute_force")
 PAPER_ONLY = ("edge_sets", "stars", "unbounded", "tangent_simplices", "edge_rule")
-STEPS = ("neighborhoods", "tangent_spaces", "local_regions", "complex")
+STEPS = ("neighborhoods", "cleaning", "tangent_spaces", "local_regions", "complex")
 
 
 def sample(dim, num=None):
@@ -98,9 +98,11 @@ def test_arrays_have_their_shapes(dim, kind):
         "stars.simplices": ((rec.stars.offsets[-1], dim + 1), np.int32),
         "unbounded": ((n,), np.bool_),
         "representatives": ((n,), np.int32),
+        "outliers": ((0,), np.int32),
     }
     if kind == "points":
         expected["vertices"] = ((n, d), np.float64)
+        expected["samples"] = ((n, d), np.float64)
         expected["tangents"] = ((n, dim, d), np.float64)
     assert_arrays_are(rec, expected)
     by_chain = rm.reconstruct(**known_by(kind, points), dim=dim)
@@ -117,6 +119,7 @@ def test_arrays_have_their_shapes(dim, kind):
     for result in (rec, by_chain):
         if kind != "points":
             assert result.vertices is None
+            assert result.samples is None
             assert result.tangents is None
 
 

@@ -25,7 +25,7 @@ constexpr double kSingular = 1e-10;
 /// How far beyond the fitted rows, in units of their radius, the quadric is followed.
 constexpr double kFarthest = 1.5;
 /// A row that alone determines the quadric there says nothing about itself.
-constexpr double kLeastFreedom = 0.05;
+constexpr double kLeastFreedom = 1e-3;
 
 /// The leading eigenvectors, in columns, the largest last; the same number at most.
 Eigen::MatrixXd leading_eigenvectors(const Eigen::MatrixXd& matrix, Eigen::Index count,
