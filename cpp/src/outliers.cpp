@@ -30,7 +30,7 @@ constexpr double kSparse = 3;
 constexpr double kScattered = 0.25;
 constexpr double kScatteredFactor = 2;
 /// Where samples are sparse, an outlier is at least this many of the scales there away.
-constexpr double kLocalScales = 1;
+constexpr double kLocalScales = 0.75;
 /// Where coarse sampling is all there is to it, few of the sparse samples are like that.
 constexpr std::size_t kScatteredShare = 3;
 /// Samples that stand for all others.
@@ -59,10 +59,10 @@ class OutlierFinder {
         options_(options),
         execution_(execution),
         near_count_(2 * options.dim + 2),
-        vote_count_(std::min(
-            samples.size() / 2,
-            std::max<Index>(3 * detail::QuadraticFit::unknowns(options.dim),
-                            kFewestVotes))),
+        vote_count_(
+            std::min(samples.size() / 2,
+                     std::max<Index>(3 * detail::QuadraticFit::unknowns(options.dim),
+                                     kFewestVotes))),
         out_(samples.size(), 0),
         apart_(samples.size()),
         reach_(samples.size()),
@@ -94,6 +94,7 @@ class OutlierFinder {
     std::unique_ptr<NeighborSearch::Query> query;
     std::vector<Neighbor> found;
     std::vector<Index> near;
+    std::vector<double> values;
   };
 
   /// The nearest others that are no outliers, from the neighborhoods where these suffice.
@@ -147,24 +148,25 @@ class OutlierFinder {
     }
     detail::PerThread<Scratch> scratches;
     const auto over_alive = [&](const auto& body) {
-      detail::for_each_block_uncounted(
-          static_cast<Offset>(alive_.size()), kBlock, execution_,
-          [&](Offset begin, Offset end) {
-            Scratch& scratch = scratches.local();
-            for (Offset i = begin; i < end; ++i) {
-              body(alive_[i], scratch);
-            }
-          });
+      detail::for_each_block_uncounted(static_cast<Offset>(alive_.size()), kBlock,
+                                       execution_, [&](Offset begin, Offset end) {
+                                         Scratch& scratch = scratches.local();
+                                         for (Offset i = begin; i < end; ++i) {
+                                           body(alive_[i], scratch);
+                                         }
+                                       });
     };
     over_alive([&](Index x, Scratch& scratch) {
       nearest(x, near_count_, scratch);
       const std::vector<Index>& near = scratch.near;
-      apart_[x] = near.empty() ? 0 : distance(x, near[std::min<std::size_t>(
-                                                     options_.dim, near.size() - 1)]);
+      apart_[x] =
+          near.empty()
+              ? 0
+              : distance(x, near[std::min<std::size_t>(options_.dim, near.size() - 1)]);
       reach_[x] = near.empty() ? 0 : distance(x, near.back());
     });
     over_alive([&](Index x, Scratch& scratch) {
-      scales_[x] = median_around(x, reach_, scratch);
+      scales_[x] = median_around(x, near_count_, reach_, scratch);
     });
     std::vector<double> all;
     all.reserve(alive_.size());
@@ -174,19 +176,17 @@ class OutlierFinder {
     median_scale_ = quantile(std::move(all), 0.5);
   }
 
-  double median_around(Index x, const std::vector<double>& values,
+  double median_around(Index x, Index count, const std::vector<double>& values,
                        Scratch& scratch) const {
-    nearest(x, near_count_, scratch);
-    double around[2 * 16 + 3];
-    int count = 0;
-    around[count++] = values[x];
+    nearest(x, count, scratch);
+    std::vector<double>& around = scratch.values;
+    around.assign(1, values[x]);
     for (const Index y : scratch.near) {
-      if (count < 2 * 16 + 3) {
-        around[count++] = values[y];
-      }
+      around.push_back(values[y]);
     }
-    std::nth_element(around, around + count / 2, around + count);
-    return around[count / 2];
+    const auto middle = around.begin() + static_cast<Offset>(around.size() / 2);
+    std::nth_element(around.begin(), middle, around.end());
+    return *middle;
   }
 
   struct Unit {
@@ -202,7 +202,7 @@ class OutlierFinder {
     for (const Index x : alive_) {
       // Cheap, and passes nearly all.
       if (apart_[x] > options_.distance * std::min(scales_[x] / 2, median_scale_)) {
-        const double local = median_around(x, scales_, scratch);
+        const double local = median_around(x, vote_count_, scales_, scratch);
         const Unit unit{local, std::min(local, kMedianScales * median_scale_)};
         if (apart_[x] > options_.distance * unit.capped) {
           apart.push_back(x);
@@ -230,8 +230,8 @@ class OutlierFinder {
       own[i] = std::min(1.0, typical[i] / scale);
       relative[i] = typical[i] / std::min(scale, kMedianScales * median_scale_);
     }
-    const double least = std::max(
-        options_.distance, kNoiseFactor * quantile(relative, kNoiseQuantile));
+    const double least =
+        std::max(options_.distance, kNoiseFactor * quantile(relative, kNoiseQuantile));
 
     const std::vector<double> values = distances(apart);
     for (std::size_t i = 0; i < apart.size(); ++i) {
@@ -330,8 +330,9 @@ class OutlierFinder {
       std::vector<Index> members;
       Eigen::VectorXd weights;
     };
-    detail::PerThread<Voter> voters(
-        [&] { return Voter{{}, {}, detail::QuadraticFit(options_.dim), {}, {}}; });
+    detail::PerThread<Voter> voters([&] {
+      return Voter{{}, {}, detail::QuadraticFit(options_.dim), {}, {}};
+    });
     detail::for_each_block_uncounted(
         static_cast<Offset>(starts.size()) - 1, 16, execution_,
         [&](Offset begin, Offset end) {
@@ -344,8 +345,8 @@ class OutlierFinder {
             members.push_back(y);
             const std::size_t fitted = members.size();
             const double end_of = distance(y, members[fitted - 2]) * (1 + 1e-6);
-            voter.weights.resize(static_cast<Eigen::Index>(
-                fitted + (starts[i + 1] - starts[i])));
+            voter.weights.resize(
+                static_cast<Eigen::Index>(fitted + (starts[i + 1] - starts[i])));
             for (std::size_t k = 0; k < fitted; ++k) {
               const double ratio = distance(y, members[k]) / end_of;
               voter.weights[static_cast<Eigen::Index>(k)] = 1 - ratio * ratio;
@@ -355,18 +356,16 @@ class OutlierFinder {
               members.push_back(votes[v].sample);
             }
             voter.coordinates.load(samples_, y, members.data(), as_index(members));
-            const bool fits =
-                voter.fit.fit(voter.coordinates.vectors(), voter.weights);
+            const bool fits = voter.fit.fit(voter.coordinates.vectors(), voter.weights);
             for (std::size_t v = starts[i]; v < starts[i + 1]; ++v) {
-              const auto own = std::find(members.begin(), members.begin() + fitted,
-                                         votes[v].sample);
+              const auto own =
+                  std::find(members.begin(), members.begin() + fitted, votes[v].sample);
               const auto row =
                   own != members.begin() + fitted
                       ? own - members.begin()
                       : static_cast<std::ptrdiff_t>(fitted + (v - starts[i]));
-              given[votes[v].slot] =
-                  fits ? voter.fit.distance_without(row)
-                       : std::numeric_limits<double>::infinity();
+              given[votes[v].slot] = fits ? voter.fit.distance_without(row)
+                                          : std::numeric_limits<double>::infinity();
             }
           }
         });

@@ -175,14 +175,14 @@ Regions compute_regions(CleanSamples& clean, const TangentOptions& tangent,
   result.seconds.neighborhoods = clean.neighborhood_seconds();
   result.seconds.cleaning = clean.cleaning_seconds();
   if (search.method() == SearchMethod::kApproximate) {
-    result.recall = measure_recall(samples, search, neighborhoods.count, kRecallQueries,
-                                   execution);
+    result.recall =
+        measure_recall(samples, search, neighborhoods.count, kRecallQueries, execution);
   }
   detail::Stopwatch watch;
   result.tangents = compute_tangent_spaces(samples, neighborhoods, tangent, execution);
   result.seconds.tangent_spaces = watch.lap();
-  result.regions = compute_local_regions(samples, search, neighborhoods,
-                                         result.tangents, execution);
+  result.regions =
+      compute_local_regions(samples, search, neighborhoods, result.tangents, execution);
   result.seconds.local_regions = watch.lap();
 
   // Thread time over threads stands for wall time.
@@ -335,7 +335,8 @@ ManifoldReconstruction reconstruct_manifold(const Samples& given,
   steps.regions.edge_sets = {};  // the stars are all that is needed
   detail::begin_step(execution, Step::kComplex, 0);
   ManifoldComplex complex =
-      build_manifold(samples.knowing(neighborhoods), neighborhoods, steps.tangents, steps.regions, manifold, solver, execution);
+      build_manifold(samples.knowing(neighborhoods), neighborhoods, steps.tangents,
+                     steps.regions, manifold, solver, execution);
   steps.regions = {};
   const std::vector<std::int8_t> signs =
       orient(samples, complex.simplices, complex.patches);

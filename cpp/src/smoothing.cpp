@@ -116,8 +116,8 @@ double trimmed_root_mean_square(std::vector<double> values) {
   }
   std::sort(values.begin(), values.end());
   const auto kept = std::max<std::size_t>(
-      1, values.size() - static_cast<std::size_t>(
-                             kTrimmed * static_cast<double>(values.size())));
+      1, values.size() -
+             static_cast<std::size_t>(kTrimmed * static_cast<double>(values.size())));
   double sum = 0;
   for (std::size_t i = 0; i < kept; ++i) {
     sum += values[i] * values[i];
@@ -150,10 +150,9 @@ class Smoother {
     if (options_.only_noise && !noisy) {
       return result;
     }
-    result.num_neighbors =
-        std::min(options_.num_neighbors > 0 ? options_.num_neighbors
-                                            : choice.num_neighbors,
-                 samples_.size() - 1);
+    result.num_neighbors = std::min(
+        options_.num_neighbors > 0 ? options_.num_neighbors : choice.num_neighbors,
+        samples_.size() - 1);
     result.points = project(samples_, search, result.num_neighbors);
     result.rounds = 1;
     if (result.noise > kConfusing * nearest) {

@@ -146,15 +146,13 @@ ProgramSolver program_solver(const py::object& function, const Execution& execut
   };
 }
 
-py::dict reconstruct_with_chain(const std::string& kind,
-                                const InputArray<double>& matrix, int dim,
-                                Index num_neighbors, const std::string& estimator,
-                                const std::string& boundary,
-                                const InputArray<bool>& boundary_samples,
-                                double hole_radius, double outlier_distance,
-                                Index smoothing, bool only_noise,
-                                const std::string& search, int checks, const py::object& solve, int num_threads,
-                                const py::object& progress) {
+py::dict reconstruct_with_chain(
+    const std::string& kind, const InputArray<double>& matrix, int dim,
+    Index num_neighbors, const std::string& estimator, const std::string& boundary,
+    const InputArray<bool>& boundary_samples, double hole_radius,
+    double outlier_distance, Index smoothing, bool only_noise,
+    const std::string& search, int checks, const py::object& solve, int num_threads,
+    const py::object& progress) {
   ReconstructOptions options;
   options.tangent = {dim, num_neighbors, estimator_of(estimator)};
   options.search = search_options(search, checks);

@@ -26,6 +26,7 @@ KEYS = {
     *("num_samples", "ambient_dim", "dim", "num_simplices", "euler_characteristic"),
     *("components", "betti_numbers", "manifold", "closed", "orientable"),
     *("boundary_samples", "merged_samples", "unused_samples", "coface_counts"),
+    *("outliers", "smoothing"),
     *("open_faces", "callous_faces", "holes", "boundary_components"),
     *("singular_vertices", "seconds", "warnings"),
     *("boundary", "hole_radius", "agreed_simplices", "disputed_simplices"),
@@ -160,7 +161,10 @@ def test_json(tori, tmp_path):
     assert result.exit_code == 0
     report = json.loads(result.stdout)
     assert set(report) == KEYS
-    assert {key for key, value in report.items() if value is None} == MANIFOLD_ONLY
+    assert {key for key, value in report.items() if value is None} == {
+        *MANIFOLD_ONLY,
+        "smoothing",
+    }
     assert report["method"] == "paper"
     assert report["input"] == str(tori)
     assert report["output"] == str(output)
@@ -184,7 +188,10 @@ def test_json_of_the_manifold_method(tmp_path):
     assert result.exit_code == 0
     report = json.loads(result.stdout)
     assert set(report) == KEYS
-    assert {key for key, value in report.items() if value is None} == PAPER_ONLY
+    assert {key for key, value in report.items() if value is None} == {
+        *PAPER_ONLY,
+        "smoothing",
+    }
     assert (report["method"], report["estimator"]) == ("manifold", "jet")
     assert report["boundary"] == "auto"
     assert 1 < report["hole_radius"] < 5
@@ -195,7 +202,7 @@ def test_json_of_the_manifold_method(tmp_path):
     assert report["disputed_simplices"] == len(repair.disputed_simplices) > 0
     assert report["filled_simplices"] == len(repair.filled_simplices) > 0
     assert report["inserted_samples"] == len(repair.inserted_vertices)
-    assert report["unused_samples"] == len(repair.unused_vertices) == 1
+    assert report["outliers"] == len(rec.outliers) == 1
     assert report["merged_samples"] == 2
     for key in ("open_faces", "holes", "boundary_components", "singular_vertices"):
         assert report[key] == 0, key
@@ -282,6 +289,30 @@ def test_quiet(tmp_path):
     assert (code, shown) == (0, b"")
 
 
+def test_noise_and_outliers(tmp_path):
+    rng = np.random.default_rng(0)
+    points = rm.datasets.sphere(800, random_state=0) * rng.normal(1, 0.03, (800, 1))
+    np.save(tmp_path / "noisy.npy", np.vstack([points, [[2.0, 2.0, 0.0]]]))
+    output = tmp_path / "mesh.ply"
+    arguments = (tmp_path / "noisy.npy", "--dim", 2, "-o", output)
+    result = run(*arguments, "--smooth", "auto", "--json")
+    assert result.exit_code == 0, result.stderr
+    report = json.loads(result.stdout)
+    assert report["outliers"] == 1
+    assert report["smoothing"]["num_neighbors"] > 30
+    assert report["smoothing"]["noise"] == pytest.approx(0.03, rel=0.2)
+    away = np.abs(np.linalg.norm(read_points(output)[:800], axis=1) - 1)
+    assert away.max() < 0.05
+    kept = run(*arguments, "--smooth", "auto", "--keep-positions")
+    assert "outliers" in kept.stdout
+    assert "noise 0.0" in kept.stdout
+    np.testing.assert_allclose(read_points(output)[:800], points, atol=1e-6)
+    for option, text in (("--smooth", "2"), ("--smooth", "much"), ("--outliers", "0")):
+        refused = run(*arguments, option, text)
+        assert refused.exit_code == 2
+        assert option in refused.stderr
+
+
 def test_options_reach_the_library(tori, tmp_path, monkeypatch):
     calls = []
 
@@ -307,16 +338,19 @@ def test_options_reach_the_library(tori, tmp_path, monkeypatch):
                 12,
             ),
             *("--estimator", "jet", "--edges", "either", "--search", "kdtree"),
-            *("--threads", 1),
+            *("--threads", 1, "--outliers", 3.5, "--smooth", 20),
         ).exit_code
         == 0
     )
     options = ("--boundary", "closed", "--hole-radius", 2.5)
+    options += ("--outliers", "keep", "--smooth", "yes")
     assert run(tori, "--dim", 2, "-o", output, *options).exit_code == 0
     defaults = {
         "method": "manifold",
         "boundary": "auto",
         "hole_radius": None,
+        "outliers": None,
+        "smooth": False,
         "num_neighbors": None,
         "estimator": None,
         "edges": None,
@@ -328,6 +362,8 @@ def test_options_reach_the_library(tori, tmp_path, monkeypatch):
         "method": "paper",
         "boundary": "auto",
         "hole_radius": None,
+        "outliers": 3.5,
+        "smooth": 20,
         "num_neighbors": 12,
         "estimator": "jet",
         "edges": "either",
@@ -336,6 +372,7 @@ def test_options_reach_the_library(tori, tmp_path, monkeypatch):
         "progress": False,
     }
     closed = defaults | {"boundary": False, "hole_radius": 2.5}
+    closed |= {"outliers": False, "smooth": True}
     assert [options for _, options in calls] == [defaults, chosen, closed]
     for (points, dim), _ in calls:
         np.testing.assert_array_equal(points, np.load(tori))
@@ -388,6 +425,7 @@ def test_version_and_help():
     assert "[auto|closed]" in shown
     assert re.findall(r"\[default: \(?(.*?)\)?[;\]]", shown) == [
         *("manifold", "auto", "by how evenly the samples lie"),
+        *("auto, or keep for paper", "no"),
         *(
             "3 K (K + 3) / 2, or 10 K for paper",
             "jet, or enclosure for paper",

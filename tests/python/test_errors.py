@@ -26,6 +26,8 @@ RIGHT = {
     rm.reconstruct: {"points": POINTS, "dim": 2},
     rm.tangent_spaces: {"points": POINTS, "dim": 2},
     rm.estimate_dimension: {"points": POINTS},
+    rm.find_outliers: {"points": POINTS, "dim": 2},
+    rm.smooth: {"points": POINTS, "dim": 2},
     rm.neighborhoods: {"points": POINTS, "num_neighbors": 3},
     rm.local_regions: {"points": POINTS, "bases": FRAMES},
     rm.edge_sets: {"points": POINTS, "bases": FRAMES},
@@ -88,7 +90,10 @@ def test_right_arguments_are_accepted():
         for argument, value in (("gram", GRAM), ("distances", DISTANCES)):
             if takes(function, argument):
                 call(function, argument, value)
-    for argument in ("method", "estimator", "edges", "boundary", "hole_radius"):
+    for argument in (
+        *("method", "estimator", "edges", "boundary", "hole_radius"),
+        *("outliers", "smooth"),
+    ):
         default = inspect.signature(rm.reconstruct).parameters[argument].default
         call(rm.reconstruct, argument, default)
 
@@ -238,7 +243,9 @@ def test_samples_are_described_once(function, given, says):
         function(**given, **rest)
 
 
-@pytest.mark.parametrize("function", [rm.reconstruct, rm.tangent_spaces])
+@pytest.mark.parametrize(
+    "function", [rm.reconstruct, rm.tangent_spaces, rm.find_outliers]
+)
 @pytest.mark.parametrize("dim", [1, 2, 3])
 @pytest.mark.parametrize("argument", ["points", "gram", "distances"])
 def test_too_few_samples(function, dim, argument):
@@ -299,6 +306,22 @@ NUMBERS_AND_WORDS = {
     "checks": [*integers(1), ("none", None, TypeError, "must be an integer")],
     "method": words(*METHODS),
     "hole_radius": lengths(),
+    "outliers": [
+        *(
+            (repr(v), v, ValueError, "expected a positive finite number")
+            for v in (0, -2.0, np.nan)
+        ),
+        *(
+            (repr(v), v, ValueError, 'expected "auto", False or a distance')
+            for v in ("all", True)
+        ),
+        ("list", [2], TypeError, "must be a number, got"),
+    ],
+    "smooth": [
+        *((str(v), v, ValueError, "expected at least 3 neighbors") for v in (0, 2)),
+        ("word", "yes", ValueError, 'expected "auto", True, False or a number'),
+        ("float", 20.0, TypeError, "must be an integer"),
+    ],
     "estimator": words("enclosure", "pca", "jet"),
     "edges": words("mutual", "either"),
     "search": words("auto", "kdtree", "brute_force", "approximate"),
@@ -343,7 +366,7 @@ def test_dim_beyond_the_space(function):
         function(gram=GRAM, dim=2**31 - 1)
 
 
-@pytest.mark.parametrize("function", [rm.reconstruct, rm.tangent_spaces])
+@pytest.mark.parametrize("function", [rm.reconstruct, rm.tangent_spaces, rm.smooth])
 @pytest.mark.parametrize("dim", [1, 2, 3])
 def test_neighbors_for_a_simplex(function, dim):
     function(POINTS, dim, num_neighbors=dim + 1)

@@ -144,8 +144,8 @@ bool QuadraticFit::decompose(int num_unknowns) {
   if (num_unknowns > 1 && fitted < num_unknowns) {
     return false;
   }
-  const Eigen::MatrixXd normal = design_.leftCols(num_unknowns).transpose() *
-                                 weighted_.leftCols(num_unknowns);
+  const Eigen::MatrixXd normal =
+      design_.leftCols(num_unknowns).transpose() * weighted_.leftCols(num_unknowns);
   factors_.compute(normal);
   if (factors_.info() != Eigen::Success) {
     return num_unknowns == 1;
@@ -186,7 +186,8 @@ double QuadraticFit::variance() const {
   Eigen::MatrixXd residuals =
       *vectors_ - design_.leftCols(num_unknowns_) * coefficients_;
   residuals -= (residuals * frame_.transpose()) * frame_;
-  const double sum = (weights_->transpose() * residuals.rowwise().squaredNorm()).value();
+  const double sum =
+      (weights_->transpose() * residuals.rowwise().squaredNorm()).value();
   const auto fitted = static_cast<double>((weights_->array() > 0).count());
   const double freedom = weights_->sum() * (1 - num_unknowns_ / fitted);
   return freedom > 0 ? sum / freedom : std::numeric_limits<double>::quiet_NaN();

@@ -44,11 +44,11 @@ class QuadraticFit {
   const RowMatrix* vectors_ = nullptr;
   const Eigen::VectorXd* weights_ = nullptr;
   int num_unknowns_ = 0;
-  double radius_ = 0;           // of the tangent coordinates of fitted rows
-  RowMatrix frame_;             // K x r, orthonormal
-  RowMatrix tangent_;           // rows x K, in units of the radius
-  Eigen::MatrixXd design_;      // rows x unknowns
-  Eigen::MatrixXd weighted_;    // the same times the weights
+  double radius_ = 0;         // of the tangent coordinates of fitted rows
+  RowMatrix frame_;           // K x r, orthonormal
+  RowMatrix tangent_;         // rows x K, in units of the radius
+  Eigen::MatrixXd design_;    // rows x unknowns
+  Eigen::MatrixXd weighted_;  // the same times the weights
   Eigen::LLT<Eigen::MatrixXd> factors_;
   Eigen::MatrixXd coefficients_;  // unknowns x r
   Eigen::VectorXd terms_;
