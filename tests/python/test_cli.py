@@ -197,7 +197,8 @@ def test_json_of_the_manifold_method(tmp_path):
     assert 1 < report["hole_radius"] < 5
     assert report["num_neighbors"] == 15
     assert report["betti_numbers"] == [1, 2, 1]
-    repair = rm.reconstruct(np.load(tmp_path / "torus.npy"), 2).repair
+    rec = rm.reconstruct(np.load(tmp_path / "torus.npy"), 2)
+    repair = rec.repair
     assert report["agreed_simplices"] == repair.num_agreed > 600
     assert report["disputed_simplices"] == len(repair.disputed_simplices) > 0
     assert report["filled_simplices"] == len(repair.filled_simplices) > 0
@@ -206,7 +207,7 @@ def test_json_of_the_manifold_method(tmp_path):
     assert report["merged_samples"] == 2
     for key in ("open_faces", "holes", "boundary_components", "singular_vertices"):
         assert report[key] == 0, key
-    assert report["warnings"] == ["1 samples are in no simplex"]
+    assert report["warnings"] == ["1 samples are outliers and were left out"]
 
 
 def test_boundary_and_hole_radius(tmp_path):

@@ -68,6 +68,7 @@ def compare_with_reference(name, num, seed, hole_radius, tally):
             dim,
             boundary=False if hole_radius is None else "auto",
             hole_radius=hole_radius,
+            outliers=False,
         )
     tangents = rm.tangent_spaces(
         points, dim, estimator="jet", num_neighbors=rec.num_neighbors
@@ -169,11 +170,16 @@ def test_stray_samples_stay_outside():
     rec = rm.reconstruct(np.vstack([points, stray]), 2)
     alone = rm.reconstruct(points, 2)
     np.testing.assert_array_equal(rec.simplices, alone.simplices)
-    assert rec.repair.unused_vertices.tolist() == [1000, 1001, 1002]
-    assert rec.repair.remaining() == [
+    assert rec.outliers.tolist() == [1000, 1001, 1002]
+    assert rec.repair.remaining() == []
+    assert (rec.component_labels()[1000:] == -1).all()
+    # Without looking for them before, they are left over.
+    kept = rm.reconstruct(np.vstack([points, stray]), 2, outliers=False)
+    np.testing.assert_array_equal(kept.simplices, alone.simplices)
+    assert kept.repair.unused_vertices.tolist() == [1000, 1001, 1002]
+    assert kept.repair.remaining() == [
         ("unused vertex", (v,)) for v in range(1000, 1003)
     ]
-    assert (rec.component_labels()[1000:] == -1).all()
 
 
 # --- The report -----------------------------------------------------------------
@@ -196,7 +202,7 @@ def assert_report_is_true(rec):
     assert repair.open_faces.tolist() == facets_with(simplices, lambda n: n == 1)
     assert repair.callous_faces.tolist() == facets_with(simplices, lambda n: n > 2)
     own = np.flatnonzero(rec.representatives == np.arange(rec.num_samples))
-    unused = np.setdiff1d(own, simplices.ravel())
+    unused = np.setdiff1d(own, [*simplices.ravel(), *rec.outliers])
     assert repair.unused_vertices.tolist() == unused.tolist()
     assert repair.merged_samples == rec.num_samples - len(own)
     assert np.isin(repair.inserted_vertices, simplices).all()
