@@ -21,6 +21,7 @@ from remanifold import datasets, io
 from remanifold.cleaning import Smoothing, find_outliers, smooth
 from remanifold.dimension import DimensionEstimate, estimate_dimension
 from remanifold.reconstruction import Reconstruction, Repair, reconstruct
+from remanifold.singularities import Place, Singularities, find_singularities
 from remanifold.steps import (
     EdgeSets,
     LocalRegions,
@@ -50,11 +51,13 @@ __all__ = [
     "LocalRegions",
     "ManifoldWarning",
     "Neighborhoods",
+    "Place",
     "RecallWarning",
     "Reconstruction",
     "RemanifoldWarning",
     "Repair",
     "Smoothing",
+    "Singularities",
     "Stars",
     "TangentSpaces",
     "Topology",
@@ -65,6 +68,7 @@ __all__ = [
     "edge_sets",
     "estimate_dimension",
     "find_outliers",
+    "find_singularities",
     "io",
     "local_regions",
     "neighborhoods",
