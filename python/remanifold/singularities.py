@@ -59,7 +59,7 @@ class Place(NamedTuple):
     samples : ndarray of int32
         Samples where it shows, ascending.
     center : ndarray, shape (D,), float64, or None
-        Their mean; None where only products are known.
+        The one of them nearest to their mean; None where only products are known.
     dim : int
         Dimension of the part; K for a crossing.
     branches : int
@@ -109,24 +109,33 @@ class _Scales(NamedTuple):
     reach: float  # the same in spacings
     fewest: int  # samples of a branch
     steps: tuple[float, ...]  # spacings between which each branch has samples
+    start: float  # spacings from which on its planes are fitted well
     miss: float  # spacings by which a plane that passes through a sample may miss it
 
 
 def _scales(dim: int, num_neighbors: int | None) -> _Scales:
     plane = (dim + 1) ** 2
+    nested: tuple[int, ...]
+    steps: tuple[float, ...]
     if dim == 1:
-        scales = _Scales(
-            plane, 12, 12, (6, 12, 24, 48, 96), 48, 20.0, 4, (0.5, 8.0, 16.0), 1.0
-        )
+        nested, steps = (6, 12, 24, 48, 96), (0.5, 8.0, 16.0)
+        scales = _Scales(plane, 12, 12, nested, 48, 20.0, 5, steps, 12.0, 1.0)
     elif dim == 2:
         scales = _Scales(
-            plane, 9, 40, (9, 18, 36, 60, 100), 200, 6.5, 5, (0.5, 1.7, 3.0), 0.5
+            plane,
+            9,
+            40,
+            (9, 18, 36, 60, 100),
+            200,
+            6.5,
+            5,
+            (0.5, 1.7, 3.0, 4.5),
+            4.0,
+            0.5,
         )
     else:
-        nested = (plane, 2 * plane, 4 * plane, 6 * plane)
-        scales = _Scales(
-            plane, plane, 4 * plane, nested, 300, 4.5, 6, (0.5, 1.7, 3.0), 0.5
-        )
+        nested, steps = (plane, 2 * plane, 4 * plane, 8 * plane), (0.5, 1.7, 3.0)
+        scales = _Scales(plane, plane, 4 * plane, nested, 300, 4.5, 6, steps, 3.5, 0.5)
     return scales if num_neighbors is None else scales._replace(branches=num_neighbors)
 
 
@@ -218,6 +227,8 @@ def find_singularities(
             num_neighbors, "num_neighbors", minimum=k + 1, hint=f" (dim + 1 = {k + 1})"
         )
     threads = check_num_threads(num_threads) or None
+    if samples.kind != "points":  # symmetry and signs are the core's to check
+        neighborhoods(num_neighbors=1, gram=gram, distances=distances)
     coordinates = _coordinates(samples)
     scales = _scales(k, num_neighbors)
     kind = np.zeros(len(coordinates), dtype=np.int8)
@@ -229,13 +240,21 @@ def find_singularities(
         branches = _branches(fitted, scales, threads)
         places = _places(fitted, lower, higher, branches, kind)
     if samples.kind == "points":
-        located = [
-            place._replace(center=samples.matrix[place.samples].mean(axis=0))
+        places = [
+            place._replace(center=_middle(samples.matrix[place.samples]))
             for place in places
         ]
-    else:
-        located = [place._replace(center=None) for place in places]
-    return Singularities(k, kind, tuple(located), _verdict(k, located))
+    for place in places:
+        for array in (place.samples, place.center):
+            if array is not None:
+                array.flags.writeable = False
+    return Singularities(k, kind, tuple(places), _verdict(k, places))
+
+
+def _middle(points: Floats) -> Floats:
+    """The point nearest to the mean: places may be rings."""
+    distances = np.linalg.norm(points - points.mean(axis=0), axis=1)
+    return np.array(points[int(distances.argmin())])
 
 
 def _coordinates(samples: Input) -> Floats:
@@ -387,7 +406,7 @@ def _higher(
     solid = np.zeros(len(points), dtype=np.bool_)
     deep = solid.copy()
     rows = np.arange(len(points))
-    if points.shape[1] == dim:
+    if points.shape[1] == dim or len(points) < 4 * scales.nested[-1]:
         return solid, deep
     compact = np.ones(len(points), dtype=np.bool_)
     near: NDArray[np.int32] = samples.near
@@ -641,6 +660,8 @@ def _half_sheets(
         members = close[each, best]
         number = support[each, best]
         good = number >= scales.fewest
+        # Far sheets that merely point here have no planes near here.
+        good &= (members & (length <= scales.start * spacing)).sum(axis=1) >= 2
         weights = members / np.maximum(number, 1)[:, None]
         # The sample is not at an end of the face.
         mean = np.einsum("nm,nmk->nk", weights, on_face)
@@ -696,7 +717,7 @@ def _is_cone(bases: Floats, along: Floats) -> bool:
 
 # ---------------------------------------------------------------------- places
 
-FEWEST_CROSSING = 2  # samples of a place
+FEWEST_CROSSING = 2  # samples of a place; of curves few are near it, and one will do
 FEWEST_LOWER = 10
 FEWEST_DEEP = 20
 
@@ -724,15 +745,14 @@ def _places(
             part = int(np.median(lower[members]))
             found.append(Place(KINDS[LOWER], members, None, part, 0))
     for members in _groups((branches >= 0) & (kind == REGULAR), close):
-        if len(members) >= FEWEST_CROSSING:
+        if len(members) >= min(FEWEST_CROSSING, dim):
             kind[members] = CROSSING
-            # Single samples may see planes alone where their neighbors see half sheets.
-            counts = np.bincount(branches[members])
-            counts[0] = 1
-            number = int(counts[::-1].argmax())
-            found.append(
-                Place(KINDS[CROSSING], members, None, dim, len(counts) - 1 - number)
-            )
+            # Branches are rather missed than seen twice, and planes alone say nothing
+            # of branches.
+            seen = branches[members]
+            seen = seen[seen > 0] if (seen > 0).any() else seen
+            number = int(np.quantile(seen, 0.8, method="nearest"))
+            found.append(Place(KINDS[CROSSING], members, None, dim, number))
     return sorted(found, key=lambda place: int(place.samples[0]))
 
 
@@ -763,7 +783,7 @@ def _groups(marked: Bools, near: NDArray[np.int32]) -> list[NDArray[np.int32]]:
 def _verdict(dim: int, places: list[Place]) -> str:
     """One sentence about the largest places."""
     if not places:
-        return f"nothing found that a {dim}-manifold would not have"
+        return "no crossing, branching or part of another dimension found"
     largest = sorted(places, key=lambda place: -len(place.samples))
     parts = [_describe(place) for place in largest[:3]]
     if len(largest) > 3:
@@ -783,7 +803,7 @@ def _describe(place: Place) -> str:
     else:
         what = f"{place.branches} half sheets meet"
     number = len(place.samples)
-    where = f"near sample {place.samples[0]}"
+    where = f"from sample {place.samples[0]} on"
     if place.center is not None and len(place.center) <= 3:
         where = f"around ({', '.join(f'{x:.3g}' for x in place.center)})"
-    return f"{what}, {number} samples {where}"
+    return f"{what} near {number} samples {where}"

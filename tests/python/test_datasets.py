@@ -255,9 +255,96 @@ def test_known_euler_characteristics():
     assert found == expected
 
 
+# What is no manifold: an equation of each set, zero at every sample.
+NO_MANIFOLDS = {
+    "figure_eight": lambda p: p[:, 1] ** 2 - p[:, 0] ** 2 * (1 - p[:, 0] ** 2),
+    "crossing_balls": lambda p: p[:, 0] * p[:, 2],
+    "branching": lambda p: np.sin(3 * np.arctan2(p[:, 1], p[:, 0])) * NORM(p, axis=1),
+    "immersed_klein_bottle": lambda p: on_immersed_klein_bottle(p),
+    "spindle_torus": lambda p: (
+        (NORM(p, axis=1) ** 2 - 0.75) ** 2 - p[:, 0] ** 2 - p[:, 1] ** 2
+    ),
+    "double_cone": lambda p: NORM(p[:, :2], axis=1) - np.abs(p[:, 2]),
+    "sphere_with_antenna": lambda p: np.where(
+        NORM(p[:, :2], axis=1) < 1e-12,
+        np.clip(p[:, 2], 1, 2) - p[:, 2],
+        NORM(p, axis=1) - 1,
+    ),
+    "ball_on_disc": lambda p: np.where(
+        NORM(p, axis=1) <= 0.3, 0.0, np.abs(p[:, 2]) + (NORM(p, axis=1) > 1)
+    ),
+}
+
+
+def on_immersed_klein_bottle(points):
+    u = np.arctan2(points[:, 1], points[:, 0]) / 2
+    across = NORM(points[:, :2], axis=1) - 3
+    x = np.cos(u) * across + np.sin(u) * points[:, 2]
+    y = np.cos(u) * points[:, 2] - np.sin(u) * across
+    return y**2 - 4 * x**2 * (1 - x**2)
+
+
+@pytest.mark.parametrize("name", NO_MANIFOLDS)
+def test_samples_of_what_is_no_manifold(name):
+    generate = getattr(datasets, name)
+    points = generate(500, random_state=0)
+    assert points.shape[0] == 500
+    assert points.dtype == np.float64
+    np.testing.assert_allclose(NO_MANIFOLDS[name](points), 0.0, atol=1e-9)
+    np.testing.assert_array_equal(points, generate(500, random_state=0))
+
+
+def test_balls_share_what_the_space_does_not_hold():
+    for ambient, rank in ((4, 4), (5, 5), (6, 6)):
+        points = datasets.crossing_balls(
+            600, dim=3, ambient_dim=ambient, angle=1.0, random_state=0
+        )
+        assert points.shape == (600, ambient)
+        assert np.linalg.matrix_rank(points[:300]) == 3
+        assert np.linalg.matrix_rank(points) == rank
+        assert NORM(points, axis=1).max() <= 1
+
+
+@pytest.mark.parametrize(
+    ("name", "arguments"),
+    [
+        ("figure_eight", {"angle": np.pi}),
+        ("crossing_balls", {"angle": 0.0}),
+        ("crossing_balls", {"ambient_dim": 2}),
+        ("crossing_balls", {"ambient_dim": 5}),
+        ("immersed_klein_bottle", {"radius": 2.0}),
+        ("spindle_torus", {"major_radius": 1.0}),
+        ("double_cone", {"angle": np.pi / 2}),
+        ("double_cone", {"dim": 1}),
+        ("sphere_with_antenna", {"length": 0.0}),
+        ("ball_on_disc", {"radius": 1.0}),
+    ],
+)
+def test_what_is_no_manifold_has_limits(name, arguments):
+    with pytest.raises(ValueError):
+        getattr(datasets, name)(100, **arguments)
+
+
+def test_klein_bottle_crosses_itself_uniformly_in_area():
+    # By Pappus the area is that of the figure eight times the circle, up to the turn.
+    points = datasets.immersed_klein_bottle(200_000, radius=50.0, random_state=0)
+    angle = np.arctan2(points[:, 1], points[:, 0])
+    counts = np.histogram(angle, bins=8)[0]
+    assert np.abs(counts / 25_000 - 1).max() < 0.03
+    across = NORM(points[:, :2], axis=1) - 50
+    near = np.hypot(across, points[:, 2]) < 0.2
+    # Length of the figure eight within 0.2 of its crossing, over all of it.
+    v = np.linspace(0, 2 * np.pi, 400_001)
+    eight = np.column_stack([np.sin(v), np.sin(2 * v)])
+    steps = NORM(np.diff(eight, axis=0), axis=1)
+    inside = NORM(eight[1:], axis=1) < 0.2
+    assert near.mean() == pytest.approx(steps[inside].sum() / steps.sum(), rel=0.03)
+
+
 def test_tables_are_complete():
     others = {"FIGURES", "SHAPES", "RandomState", "Shape"}
     others |= {"add_noise", "embed", "figure_samples", "spread"}
+    others |= set(NO_MANIFOLDS)
     generators = {shape.generate for shape in SHAPES.values()}
     names = {getattr(g, "func", g).__name__ for g in generators}
     assert set(datasets.__all__) - others == names <= set(SHAPES)

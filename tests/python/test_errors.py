@@ -29,6 +29,7 @@ RIGHT = {
     rm.find_outliers: {"points": POINTS, "dim": 2},
     rm.smooth: {"points": POINTS, "dim": 2},
     rm.neighborhoods: {"points": POINTS, "num_neighbors": 3},
+    rm.find_singularities: {"points": POINTS, "dim": 2},
     rm.local_regions: {"points": POINTS, "bases": FRAMES},
     rm.edge_sets: {"points": POINTS, "bases": FRAMES},
     rm.clique_complex: {"offsets": [0, 1, 2], "indices": [1, 0], "dim": 1},
@@ -383,6 +384,7 @@ def test_number_of_neighbors_is_required():
 @pytest.mark.parametrize(
     "function", [f for f in RIGHT if takes(f, "gram") and takes(f, "search")]
 )
+@pytest.mark.parametrize("function", [f for f in RIGHT if takes(f, "search")])
 @pytest.mark.parametrize("argument", ["gram", "distances"])
 def test_trees_need_points(function, argument):
     samples = {"gram": GRAM, "distances": DISTANCES}[argument]
