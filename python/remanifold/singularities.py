@@ -134,7 +134,8 @@ def _scales(dim: int, num_neighbors: int | None) -> _Scales:
             0.5,
         )
     else:
-        nested, steps = (plane, 2 * plane, 4 * plane, 8 * plane), (0.5, 1.7, 3.0)
+        nested = tuple(plane * 2**i for i in range(5))
+        steps = (0.5, 1.7, 3.0)
         scales = _Scales(plane, plane, 4 * plane, nested, 300, 4.5, 6, steps, 3.5, 0.5)
     return scales if num_neighbors is None else scales._replace(branches=num_neighbors)
 
@@ -202,8 +203,8 @@ def find_singularities(
     but such neighborhoods is near.
 
     What is faint is missed on purpose: crossings below 30 degrees, sheets sampled at
-    fewer than some six spacings from the crossing, solids of less than a hundred
-    samples.
+    fewer than some six spacings from the crossing, solids of fewer than a few
+    hundred samples.
 
     References
     ----------
