@@ -721,6 +721,7 @@ def _is_cone(bases: Floats, along: Floats) -> bool:
 FEWEST_CROSSING = 2  # samples of a place; of curves few are near it, and one will do
 FEWEST_LOWER = 10
 FEWEST_DEEP = 20
+DEEP_SHARE = 0.1  # of a solid
 
 
 def _places(
@@ -737,7 +738,8 @@ def _places(
     close = samples.near
     # Parts of higher dimension end where a part that is deep inside is no more.
     for members in _groups(solid, close):
-        if np.count_nonzero(deep[members]) >= FEWEST_DEEP:
+        inner = np.count_nonzero(deep[members])
+        if inner >= max(FEWEST_DEEP, DEEP_SHARE * len(members)):
             kind[members] = HIGHER
             found.append(Place(KINDS[HIGHER], members, None, dim + 1, 0))
     for members in _groups((lower >= 0) & (kind == REGULAR), close):
