@@ -384,7 +384,6 @@ def test_number_of_neighbors_is_required():
 @pytest.mark.parametrize(
     "function", [f for f in RIGHT if takes(f, "gram") and takes(f, "search")]
 )
-@pytest.mark.parametrize("function", [f for f in RIGHT if takes(f, "search")])
 @pytest.mark.parametrize("argument", ["gram", "distances"])
 def test_trees_need_points(function, argument):
     samples = {"gram": GRAM, "distances": DISTANCES}[argument]
