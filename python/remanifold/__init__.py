@@ -20,6 +20,7 @@ except ImportError as error:
 from remanifold import datasets, io
 from remanifold.cleaning import Smoothing, find_outliers, smooth
 from remanifold.dimension import DimensionEstimate, estimate_dimension
+from remanifold.quality import Quality, Reason
 from remanifold.reconstruction import Reconstruction, Repair, reconstruct
 from remanifold.singularities import Place, Singularities, find_singularities
 from remanifold.steps import (
@@ -52,6 +53,8 @@ __all__ = [
     "ManifoldWarning",
     "Neighborhoods",
     "Place",
+    "Quality",
+    "Reason",
     "RecallWarning",
     "Reconstruction",
     "RemanifoldWarning",

@@ -125,6 +125,16 @@ def topology(
     num_threads: int,
     progress: _Progress,
 ) -> dict[str, Any]: ...
+def quality(
+    kind: str,
+    matrix: NDArray[np.float64],
+    simplices: NDArray[np.int32],
+    num_neighbors: int,
+    search: str,
+    checks: int,
+    num_threads: int,
+    progress: _Progress,
+) -> dict[str, Any]: ...
 def component_labels(
     simplices: NDArray[np.int32], num_vertices: int
 ) -> NDArray[np.int32]: ...

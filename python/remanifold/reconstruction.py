@@ -28,6 +28,7 @@ from remanifold._validation import (
 )
 from remanifold.cleaning import as_points, smoothing_of
 from remanifold.dimension import find_dimension
+from remanifold.quality import Quality, assess
 from remanifold.steps import (
     CHECKS,
     EDGE_RULES,
@@ -211,6 +212,7 @@ class Reconstruction(ReadOnlyArrays):
     edge_rule: str | None = None
     _report: dict[str, Any] = field(default_factory=dict)
     _frames: tuple[NDArray[np.float64], NDArray[np.int32], float] | None = None
+    _products: tuple[str, NDArray[np.float64]] | None = None
 
     def __repr__(self) -> str:
         ambient = (
@@ -317,6 +319,22 @@ class Reconstruction(ReadOnlyArrays):
             num_integer_programs=0,
             num_unsolved=0,
         )
+
+    @functools.cached_property
+    def quality(self) -> Quality:
+        """Whether and where the samples are dense enough for the result; computed once.
+
+        Takes about as long as the reconstruction.
+        """
+        return assess(self)
+
+    @property
+    def _source(self) -> tuple[str, NDArray[np.float64]]:
+        """The samples as they were given."""
+        if self.vertices is not None:
+            return "points", self.vertices
+        assert self._products is not None
+        return self._products
 
     def component_labels(self) -> NDArray[np.int32]:
         """Component of each sample, in order of lowest vertex; -1 in no simplex."""
@@ -512,6 +530,7 @@ def reconstruct(
         timings=result["timings"],
         _report=report,
         _frames=frames,
+        _products=None if samples.kind == "points" else samples,
         **paper,
     )
     # What is known already fills the places of the cached properties.

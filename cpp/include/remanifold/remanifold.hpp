@@ -16,6 +16,7 @@
 #include "remanifold/outliers.hpp"
 #include "remanifold/reconstruct.hpp"
 #include "remanifold/samples.hpp"
+#include "remanifold/sampling_quality.hpp"
 #include "remanifold/simplex_measures.hpp"
 #include "remanifold/smoothing.hpp"
 #include "remanifold/star_consensus.hpp"

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "arrays.hpp"
+#include "options.hpp"
+#include "remanifold/sampling_quality.hpp"
+#include "run.hpp"
+
+namespace remanifold::python {
+namespace {
+
+py::dict quality(const std::string& kind, const InputArray<double>& matrix,
+                 const InputArray<Index>& simplices, Index num_neighbors,
+                 const std::string& search, int checks, int num_threads,
+                 const py::object& progress) {
+  const SimplexArray complex{static_cast<int>(simplices.shape(1)),
+                             to_vector(simplices)};
+  const QualityOptions options{complex.arity - 1, num_neighbors};
+  const SearchOptions searching = search_options(search, checks);
+  const MatrixView input = view(matrix);
+  SamplingQuality result = run(num_threads, progress, [&](const Execution& execution) {
+    const Samples samples = make_samples(kind, input, execution);
+    const NeighborSearch index(samples, searching, execution);
+    return measure_quality(samples, index, complex, options, execution);
+  });
+  py::dict out;
+  out["spacing"] = to_numpy(std::move(result.spacing));
+  out["scatter"] = to_numpy(std::move(result.scatter));
+  out["wide_scatter"] = to_numpy(std::move(result.wide_scatter));
+  out["curvature"] = to_numpy(std::move(result.curvature));
+  out["reach"] = to_numpy(std::move(result.reach));
+  out["tangent_share"] = to_numpy(std::move(result.tangent_share));
+  out["fold"] = to_numpy(std::move(result.fold));
+  out["gap"] = to_numpy(std::move(result.gap));
+  out["nearest_strange"] = to_numpy(std::move(result.nearest_strange));
+  out["rim"] = to_numpy(std::move(result.rim));
+  return out;
+}
+
+}  // namespace
+
+void bind_quality(py::module_& module) {
+  module.def("quality", &quality, py::arg("kind"), py::arg("matrix").noconvert(),
+             py::arg("simplices").noconvert(), py::arg("num_neighbors"),
+             py::arg("search"), py::arg("checks"), py::arg("num_threads"),
+             py::arg("progress"));
+}
+
+}  // namespace remanifold::python
