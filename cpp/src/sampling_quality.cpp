@@ -33,6 +33,8 @@ constexpr int kMaxDim = 16;
 constexpr double kNearest = 0.75;
 /// Folds count where both sides are at least this times h high: needles fold anywhere.
 constexpr double kLeastHeight = 0.3;
+/// Cosine at the facet below which that is not looked at: folds of less than 60 degrees.
+constexpr double kAlmostFlat = -0.5;
 /// A simplex lies in an empty ball, not beside one, where no barycentric coordinate of its
 /// circumcenter is below this.
 constexpr double kOutside = -0.1;
@@ -85,11 +87,11 @@ SimplexArray to_canonical(const Samples& samples, const SimplexArray& simplices)
   return result;
 }
 
-/// A quadratic fit of normal vectors over tangent coordinates.
-template <int K>
+/// A quadratic fit of normal vectors over tangent coordinates. Products are lazy: the
+/// matrices are small.
+template <int K, int D>
 class Quadric {
  public:
-  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic>;
   static constexpr int kUnknowns =
       K == Eigen::Dynamic ? Eigen::Dynamic : 1 + K + K * (K + 1) / 2;
 
@@ -121,22 +123,36 @@ class Quadric {
         design_.col(column++) = design_.col(1 + i).cwiseProduct(design_.col(1 + j));
       }
     }
-    gram_.noalias() = design_.transpose() * design_;
+    gram_.resize(unknowns_, unknowns_);
+    right_.resize(unknowns_, normals.cols());
+    for (int i = 0; i < unknowns_; ++i) {
+      for (int j = 0; j <= i; ++j) {
+        gram_(i, j) = gram_(j, i) = design_.col(i).dot(design_.col(j));
+      }
+      for (Eigen::Index axis = 0; axis < normals.cols(); ++axis) {
+        right_(i, axis) = design_.col(i).dot(normals.col(axis).head(count));
+      }
+    }
     solver_.compute(gram_);
     const auto pivots = solver_.vectorD();
     if (!(pivots.minCoeff() > kFlatDesign * pivots.maxCoeff())) {
       return kNaN;
     }
-    right_.noalias() = design_.transpose() * normals.topRows(count);
     solution_ = solver_.solve(right_);
-    rest_ = normals.topRows(count);
-    rest_.noalias() -= design_ * solution_;
-    return std::sqrt(rest_.squaredNorm() / static_cast<double>(count - unknowns_));
+    double rest = 0;
+    for (Eigen::Index axis = 0; axis < normals.cols(); ++axis) {
+      residual_ = normals.col(axis).head(count);
+      for (int i = 0; i < unknowns_; ++i) {
+        residual_ -= solution_(i, axis) * design_.col(i);
+      }
+      rest += residual_.squaredNorm();
+    }
+    return std::sqrt(rest / static_cast<double>(count - unknowns_));
   }
 
   /// The largest norm of II(u, .) over unit vectors u, of the last fit.
   double curvature() const {
-    Small products = Small::Zero(dim_, dim_);
+    Square products = Square::Zero(dim_, dim_);
     const auto row_of = [&](int i, int j) {
       const int high = std::max(i, j);
       return 1 + dim_ + high * (high + 1) / 2 + std::min(i, j);
@@ -153,7 +169,7 @@ class Quadric {
     }
     const double largest = dim_ == 1
                                ? products(0, 0)
-                               : Eigen::SelfAdjointEigenSolver<Small>(
+                               : Eigen::SelfAdjointEigenSolver<Square>(
                                      products, Eigen::EigenvaluesOnly)
                                      .eigenvalues()
                                      .maxCoeff();
@@ -162,6 +178,7 @@ class Quadric {
 
  private:
   static constexpr double kFlatDesign = 1e-10;
+  using Square = Eigen::Matrix<double, K, K>;
 
   int dim_;
   int unknowns_;
@@ -169,9 +186,9 @@ class Quadric {
   Eigen::Matrix<double, Eigen::Dynamic, kUnknowns> design_;
   Eigen::Matrix<double, kUnknowns, kUnknowns> gram_;
   Eigen::LDLT<Eigen::Matrix<double, kUnknowns, kUnknowns>> solver_;
-  Eigen::Matrix<double, kUnknowns, Eigen::Dynamic> right_;
-  Eigen::Matrix<double, kUnknowns, Eigen::Dynamic> solution_;
-  Matrix rest_;
+  Eigen::Matrix<double, kUnknowns, D> right_;
+  Eigen::Matrix<double, kUnknowns, D> solution_;
+  Eigen::VectorXd residual_;
 };
 
 /// The complex with what is looked up in it.
@@ -264,9 +281,9 @@ class QualityKernel {
       return;
     }
     const auto& frame = frame_fit_.frame();
-    tangents_.noalias() = vectors_ * frame.transpose();
+    tangents_ = vectors_.lazyProduct(frame.transpose());
     normals_ = vectors_;
-    normals_.noalias() -= tangents_ * frame;
+    normals_ -= tangents_.lazyProduct(frame);
     out.scatter[x] = quadric_.fit(tangents_, normals_, narrow_);
     out.wide_scatter[x] = quadric_.fit(tangents_, normals_, wide);
     if (!std::isnan(out.wide_scatter[x])) {
@@ -286,7 +303,8 @@ class QualityKernel {
 
  private:
   static constexpr double kFlat = 1e-7;
-  using Vectors = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic>;
+  using Vectors = Eigen::Matrix<double, Eigen::Dynamic, D>;
+  using Square = Eigen::Matrix<double, K, K>;
 
   bool find_frame(Index x) {
     const auto count = static_cast<Index>(list_.size());
@@ -335,8 +353,7 @@ class QualityKernel {
       if (squared >= scales_[x] * scales_[x]) {
         break;
       }
-      if (adjacent.size(q) > 0 &&
-          std::find(adjacent.begin(x), adjacent.end(x), q) == adjacent.end(x)) {
+      if (adjacent.size(q) > 0 && !within_two(x, q)) {
         unreached_.push_back({squared, q});
       }
     }
@@ -366,12 +383,26 @@ class QualityKernel {
     }
   }
 
+  /// Whether two samples are joined by an edge or have a neighbor in common.
+  bool within_two(Index x, Index q) const {
+    const Csr& adjacent = result_.adjacent;
+    const Index* a = adjacent.begin(x);
+    const Index* b = adjacent.begin(q);
+    while (a != adjacent.end(x) && b != adjacent.end(q)) {
+      if (*a == *b || *a == q) {
+        return true;
+      }
+      (*a < *b ? a : b) += 1;
+    }
+    return std::find(a, adjacent.end(x), q) != adjacent.end(x);
+  }
+
   /// Volume of the star on the tangent space over its own volume.
   double share_of_star(Index x) {
     double flat = 0;
     double whole = 0;
     const int arity = dim_ + 1;
-    Small edges(dim_, dim_);
+    Square edges(dim_, dim_);
     rows_.resize(dim_, vectors_.cols());
     for (const Offset* s = result_.stars.begin(x); s != result_.stars.end(x); ++s) {
       const Index* simplex = result_.simplices[*s];
@@ -386,7 +417,7 @@ class QualityKernel {
         rows_.row(row) = vectors_.row(number);
         ++row;
       }
-      const Small gram = rows_ * rows_.transpose();
+      const Square gram = rows_.lazyProduct(rows_.transpose());
       flat += std::abs(edges.determinant());
       whole += std::sqrt(std::max(0.0, gram.determinant()));
     }
@@ -402,12 +433,12 @@ class QualityKernel {
   detail::KnownDistances distances_;
   detail::LocalCoordinates coordinates_;
   detail::FrameFit<K, D> frame_fit_;
-  Quadric<K> quadric_;
+  Quadric<K, D> quadric_;
   std::vector<Index> list_;
   Vectors vectors_;
-  Vectors tangents_;
+  Eigen::Matrix<double, Eigen::Dynamic, K> tangents_;
   Vectors normals_;
-  Vectors rows_;
+  Eigen::Matrix<double, K, D> rows_;
   std::vector<Neighbor> unreached_;
   std::vector<Index> seen_;  // by whom last
   std::vector<Index> front_;
@@ -417,6 +448,19 @@ class QualityKernel {
 /// Radius of the empty ball that a simplex lies in; 0 where it lies beside it.
 double empty_radius(const Samples& samples, const Index* simplex, int arity) {
   const int dim = arity - 1;
+  if (dim == 2) {
+    const double a = samples.squared_distance(simplex[0], simplex[1]);
+    const double b = samples.squared_distance(simplex[0], simplex[2]);
+    const double c = samples.squared_distance(simplex[1], simplex[2]);
+    const double product = (a + b - c) / 2;
+    const double determinant = a * b - product * product;
+    // Barycentric coordinates times this.
+    const double whole = 2 * determinant;
+    const double least = std::min({c * (a + b - c), b * (a + c - b), a * (b + c - a)});
+    return determinant > 0 && least > kOutside * whole
+               ? std::sqrt(a * b * c / determinant) / 2
+               : 0;
+  }
   Small gram(dim, dim);
   SmallVector half(dim);
   for (int i = 0; i < dim; ++i) {
@@ -530,16 +574,19 @@ class ShapeOfResult {
     }
     copy_facet(result_.simplices, f, facet);
     const int dim = arity_ - 1;
+    const double cosine = ruler.fold(facet, dim, apex, other_apex);
+    if (cosine < kAlmostFlat) {
+      folds_[f] = static_cast<float>(std::acos(-cosine) * 180 / kPi);
+      return;
+    }
     const double height =
         dim *
         std::min(ruler.measure(simplex, arity_).volume,
                  ruler.measure(opposite, arity_).volume) /
         ruler.measure(facet, dim).volume;
-    if (height < kLeastHeight * ruler.scale(facet, dim)) {
-      return;
+    if (height >= kLeastHeight * ruler.scale(facet, dim)) {
+      folds_[f] = static_cast<float>(std::acos(-cosine) * 180 / kPi);
     }
-    const double cosine = ruler.fold(facet, dim, apex, other_apex);
-    folds_[f] = static_cast<float>(std::acos(-cosine) * 180 / kPi);
   }
 
   const Result& result_;

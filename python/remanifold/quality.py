@@ -158,12 +158,12 @@ class _Limits:
 
 _CURVES = _Limits(
     folded=2,
-    fold=140,
+    fold=160,
     some_folded=1,
     some_fold=90,
     fold_by_noise=600,
     near=1,
-    distance=0.5,
+    distance=0.4,
     some_distance=0.7,
     disputed=0.4,
     some_disputed=0.6,
@@ -171,26 +171,26 @@ _CURVES = _Limits(
     some_opening=0,
     gap=-4,
     some_gap=-2,
-    some_ratio=2.5,
+    some_ratio=2.45,
     some_confidence=0.4,
     scatter=0.2,
     some_scatter=0.14,
 )
 _SURFACES = _Limits(
     folded=4,
-    fold=140,
+    fold=130,
     some_folded=3,
-    some_fold=110,
+    some_fold=115,
     fold_by_noise=500,
     near=2,
-    distance=0.9,
+    distance=0.85,
     some_distance=1.0,
     disputed=0.8,
     some_disputed=0.75,
     opening=1.0,
     some_opening=1.0,
     gap=-2.3,
-    some_gap=-1,
+    some_gap=-0.7,
     some_ratio=2.0,
     some_confidence=0.3,
 )
@@ -234,6 +234,7 @@ _LIMITS = {1: _CURVES, 2: _SURFACES, 3: _THREE}
 
 MOST_FOLD = 176.0  # degrees that noise may account for, with the limit itself
 MOST_NOISE = 0.2  # over the spacing, beyond which it is no longer told from sparsity
+LEAST_GAPS = 30  # samples from which the evenness is judged
 ENOUGH = 1.0  # spacing over reach that is asked for when recommending
 
 
@@ -505,12 +506,12 @@ def _folds(found: _Findings) -> Iterator[_Sign]:
 def _gaps(found: _Findings) -> Iterator[_Sign]:
     """Empty balls larger than samples at random leave.
 
-    Of the Delaunay simplices of a Poisson process the squared radius to the power K/2,
-    in samples per ball, has a Gamma distribution of order K (Miles, 1974).
+    The number of samples that would fill the empty ball of a Delaunay simplex has, in a
+    Poisson process, a Gamma distribution of order K (Miles, 1974).
     """
     limits = found.limits
-    neighbors = 10 if found.dim == 1 else 2 * found.dim + 2
-    log_expected = _log_expected(found.gap, neighbors, found.dim) + math.log10(
+    log_chance = _log_chance(found.gap, found.dim)
+    log_expected = log_chance * _evenness(found, log_chance) + math.log10(
         found.num_simplices
     )
     strong = True
@@ -531,17 +532,30 @@ def _gaps(found: _Findings) -> Iterator[_Sign]:
     )
 
 
-def _log_expected(
-    gap: NDArray[np.float64], neighbors: int, dim: int
-) -> NDArray[np.float64]:
-    """Decimal logarithm of the chance of a larger gap."""
-    inside = neighbors * gap**dim
+def _log_chance(gap: NDArray[np.float64], dim: int) -> NDArray[np.float64]:
+    """Decimal logarithm of the chance that a simplex spans a larger gap."""
+    inside = (10 if dim == 1 else 2 * dim + 2) * gap**dim
     terms = np.zeros_like(inside)
     term = np.ones_like(inside)
     for k in range(dim):
         terms += term
         term = term * inside / (k + 1)
     return np.asarray((np.log(terms) - inside) / math.log(10))
+
+
+def _evenness(found: _Findings, log_chance: NDArray[np.float64]) -> float:
+    """Below 1 where large gaps are more frequent than among samples at random.
+
+    From the gap that a hundredth of the samples exceed, at least 30.
+    """
+    rank = max(LEAST_GAPS, found.num_samples // 100)
+    if found.num_samples < 2 * rank:
+        return 1.0
+    seen = float(np.partition(log_chance[found.own], rank)[rank])
+    simplices_at = (found.dim + 1) * found.num_simplices / found.num_samples
+    # Three in four simplices have their center inside.
+    random = math.log10((rank + 0.5) / found.num_samples / (0.75 * simplices_at))
+    return min(1.0, min(random, -0.3) / seen) if seen < 0 else 1.0
 
 
 def _openings(found: _Findings) -> Iterator[_Sign]:
