@@ -21,6 +21,7 @@ BENCHMARKS = Path(__file__).resolve().parents[2] / "benchmarks"
 sys.path.insert(0, str(BENCHMARKS))  # the processes of the runs import it as well
 
 import judge
+import noise_ladder
 import processes
 import samples
 import success_rates
@@ -222,3 +223,43 @@ def test_runs_without_end_are_outcomes():
     assert found[120] == processes.Failure("not done after 3 s", "timeout")
     assert found[0] is None
     assert time.monotonic() - start < 60
+
+
+# ---------------------------------------------------------------------- the ladder
+
+
+def test_noise_ladder(tmp_path):
+    file = tmp_path / "results.json"
+    script = BENCHMARKS / "noise_ladder.py"
+    arguments = ("--shape", "trefoil", "--seeds", "1", "--jobs", "1", "--markdown")
+    arguments += ("--levels", "0.5", "--outliers", "0.05", "--json", str(file))
+    done = subprocess.run(
+        [sys.executable, script, *arguments],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    head, _, row = done.stdout.splitlines()
+    assert [cell.strip() for cell in head.strip("|").split("|")] == [
+        *("", "samples", "noise", "outliers", "found", "samples lost"),
+        *("right", "samples off", "vertices off", "seconds"),
+    ]
+    cells = [cell.strip() for cell in row.strip("|").split("|")]
+    assert cells[:4] == ["trefoil in R^3", "1,500", "0.5", "5%"]
+    (record,) = json.loads(file.read_text(encoding="utf-8"))["results"]
+    assert record["outliers_in_all"] == 75
+    assert record["outliers_found"] > 60
+    assert record["samples_off"] == pytest.approx(0.5 * np.sqrt(2), rel=0.1)
+
+
+@pytest.mark.parametrize("row", noise_ladder.TABLE, ids=lambda row: row.name)
+def test_distances_of_the_ladder(row):
+    """None for the samples, and for noise what it is in so many normal directions."""
+    shape, points = SHAPES[row.shape], row.draw(1000, 1)
+    unit = samples.spacing(points)
+    assert noise_ladder.distances(points, row, points, 1).max() < 0.03 * unit
+    noisy = noise_ladder.add_noise(points, row, 0.1, 1)
+    off = noise_ladder.distances(noisy, row, points, 1)
+    expected = 0.1 * unit * np.sqrt(shape.ambient_dim - shape.dim)
+    assert np.sqrt(np.mean(off**2)) == pytest.approx(expected, rel=0.1)
