@@ -37,8 +37,8 @@ from success_rates import TABLE, Row
 
 STEP = 2**0.5  # between the numbers of a ladder
 HIGHEST = 2.0  # times the number of the table
-LOWEST = 64  # the number of the table over this
-FIRST_SEED = 100  # those below were looked at when the limits were chosen
+LOWEST = 32  # the number of the table over this
+FIRST_SEED = 200  # those below were looked at when the limits were chosen
 SLOW = {"sphere_times_sphere": 0.25}  # times the number of the table, one seed only
 HEADS = ("", "samples", "runs", "wrong", "warned", "right", "false alarms")
 
@@ -160,7 +160,8 @@ def main(
     for row in rows:
         tasks = tasks_of(row, seeds, first_seed, noise)
         outcomes = []
-        for task, result in run_all(assess, tasks, jobs or os.cpu_count() or 1, time_limit):
+        runs = run_all(assess, tasks, jobs or os.cpu_count() or 1, time_limit)
+        for task, result in runs:
             head = f"{row.shape}, {task.num_samples}, seed {task.seed}"
             if isinstance(result, Failure):
                 say.print(f"{head}: {result.reason}", markup=False)

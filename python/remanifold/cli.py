@@ -460,6 +460,7 @@ def _timed(work: Callable[[], Any]) -> tuple[Any, float]:
 def _report(rec: rm.Reconstruction) -> dict[str, Any]:
     topology, seconds_topology = _timed(rec.topology)
     repair, seconds_repair = _timed(lambda: rec.repair)
+    quality, seconds_quality = _timed(lambda: rec.quality)
     manifold = rec.method == "manifold"
     return {
         "method": rec.method,
@@ -499,7 +500,19 @@ def _report(rec: rm.Reconstruction) -> dict[str, Any]:
         "holes": repair.num_holes,
         "boundary_components": repair.num_boundary_components,
         "singular_vertices": len(topology.singular_vertices),
-        "seconds": {**rec.timings, "report": seconds_topology + seconds_repair},
+        "sampling": {
+            "ok": quality.ok,
+            "verdict": quality.verdict,
+            "reasons": [reason.text for reason in quality.reasons],
+            "doubtful_samples": int(quality.doubtful.sum()),
+            "recommended_samples": quality.recommended_samples,
+            "noise": None if math.isnan(quality.noise) else quality.noise,
+        },
+        "seconds": {
+            **rec.timings,
+            "report": seconds_topology + seconds_repair,
+            "sampling": seconds_quality,
+        },
     }
 
 
@@ -611,6 +624,7 @@ def _table(report: dict[str, Any]) -> Table:
             for name, key in counts.items()
             if report[key] is not None
         },
+        "sampling": report["sampling"]["verdict"],
         "seconds": "\n".join(
             f"{seconds:.2f} {step.replace('_', ' ')}"
             for step, seconds in report["seconds"].items()

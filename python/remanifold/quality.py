@@ -12,6 +12,7 @@ import numpy as np
 
 from remanifold import _core
 from remanifold._read_only import ReadOnlyArrays
+from remanifold.singularities import find_singularities
 from remanifold.steps import CHECKS
 
 if TYPE_CHECKING:
@@ -234,6 +235,7 @@ _LIMITS = {1: _CURVES, 2: _SURFACES, 3: _THREE}
 
 MOST_FOLD = 176.0  # degrees that noise may account for, with the limit itself
 MOST_NOISE = 0.2  # over the spacing, beyond which it is no longer told from sparsity
+FEW = 20_000  # samples among which crossings are looked for without a sign
 LEAST_GAPS = 30  # samples from which the evenness is judged
 ENOUGH = 1.0  # spacing over reach that is asked for when recommending
 
@@ -298,15 +300,14 @@ class _Sign(NamedTuple):
 def assess(rec: Reconstruction) -> Quality:
     """Measure the samples of a reconstruction and judge."""
     kind, matrix = rec._source
-    measured = _core.quality(
-        kind, matrix, rec.simplices, 0, rec.search, CHECKS, 0, None
-    )
+    measured = _measure(kind, matrix, rec)
     spacing, reach = measured["spacing"], measured["reach"]
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = spacing / reach
         scatter = _share(measured["scatter"], spacing)
         wide_scatter = _share(measured["wide_scatter"], spacing)
     own = rec.representatives == np.arange(rec.num_samples)
+    own[rec.outliers] = False
     findings = _Findings(
         dim=rec.dim,
         ambient_dim=rec.ambient_dim,
@@ -328,7 +329,7 @@ def assess(rec: Reconstruction) -> Quality:
         disputed=_disputed(rec.simplices, rec.repair, rec.representatives),
         noise=_noise(scatter[own], wide_scatter[own], rec.dim),
     )
-    signs = list(_signs(findings))
+    signs = sorted(_signs(findings), key=lambda sign: not sign.strong)
     if not any(sign.strong for sign in signs) and len(signs) < 2:
         signs = []
     reasons = tuple(Reason(sign.text, sign.samples) for sign in signs)
@@ -355,6 +356,30 @@ def assess(rec: Reconstruction) -> Quality:
         recommended_samples=recommended,
         verdict=_verdict(findings, reasons, recommended, rec.vertices),
     )
+
+
+def _measure(
+    kind: str, matrix: NDArray[np.float64], rec: Reconstruction
+) -> dict[str, NDArray[Any]]:
+    """By the core, as if there were no outliers; theirs is NaN, or nothing."""
+    kept = np.ones(rec.num_samples, dtype=bool)
+    kept[rec.outliers] = False
+    simplices = rec.simplices
+    if len(rec.outliers):
+        matrix = matrix[kept] if kind == "points" else matrix[np.ix_(kept, kept)]
+        matrix = np.ascontiguousarray(matrix)
+        number = np.cumsum(kept, dtype=np.int32) - np.int32(1)
+        simplices = number[simplices]
+    measured: dict[str, NDArray[Any]] = _core.quality(
+        kind, matrix, simplices, 0, rec.search, CHECKS, 0, None
+    )
+    if len(rec.outliers):
+        for name, values in measured.items():
+            nothing = np.nan if values.dtype.kind == "f" else 0
+            spread = np.full(rec.num_samples, nothing, dtype=values.dtype)
+            spread[kept] = values
+            measured[name] = spread
+    return measured
 
 
 def _share(
@@ -413,11 +438,34 @@ def _signs(found: _Findings) -> Iterator[_Sign]:
         yield from _sparsity(found)
 
 
+def _fitted(dim: int) -> int:
+    """Neighbors of the narrow fits."""
+    return 3 * dim * (dim + 3) // 2
+
+
+def _singularities(
+    rec: Reconstruction, kind: str, matrix: NDArray[np.float64]
+) -> Iterator[_Sign]:
+    """Where the samples are no K-manifold at all."""
+    kept = np.ones(rec.num_samples, dtype=bool)
+    kept[rec.outliers] = False
+    if np.count_nonzero(kept) <= 2 * rec.dim + 2:
+        return
+    given: dict[str, Any] = {
+        kind: matrix[kept] if kind == "points" else matrix[np.ix_(kept, kept)]
+    }
+    found = find_singularities(**given, dim=rec.dim)
+    if found.places:
+        numbers = np.flatnonzero(kept)
+        samples = np.concatenate([place.samples for place in found.places])
+        yield _Sign(True, found.verdict, np.unique(numbers[samples]))
+
+
 _NOWHERE = np.empty(0, dtype=np.int64)
 
 
 def _too_few(found: _Findings) -> Iterator[_Sign]:
-    needed = 3 * found.dim * (found.dim + 3) // 2 + 1
+    needed = _fitted(found.dim) + 1
     if found.num_samples < needed:
         yield _Sign(
             True,
@@ -473,9 +521,9 @@ def _strange_neighbors(found: _Findings) -> Iterator[_Sign]:
         limit = limits.distance if strong else limits.some_distance
         yield _Sign(
             strong,
-            f"{_count(len(near), 'sample')} within {limit:g} spacings of samples that "
-            "are far along the result: parts of the manifold come nearer to each other "
-            "than the samples on them",
+            f"{_count(len(near), 'sample')} nearer than {limit:g} times the spacing to "
+            "others that are far along the result: parts of the manifold are closer "
+            "together than the samples on them",
             near,
             float(np.median(2 / distance[near])) / ENOUGH,
         )
@@ -483,9 +531,9 @@ def _strange_neighbors(found: _Findings) -> Iterator[_Sign]:
 
 def _folds(found: _Findings) -> Iterator[_Sign]:
     limits = found.limits
-    excused = limits.fold_by_noise * (
-        0.0 if math.isnan(found.noise) else min(found.noise, MOST_NOISE)
-    )
+    # Among few samples the fits tell noise and bends apart no longer.
+    told_apart = found.num_samples >= 4 * _fitted(found.dim) and found.noise > 0
+    excused = limits.fold_by_noise * min(found.noise, MOST_NOISE) if told_apart else 0.0
     for strong, number, angle in (
         (True, limits.folded, limits.fold),
         (False, limits.some_folded, limits.some_fold),
@@ -652,7 +700,7 @@ def _recommended(found: _Findings, signs: list[_Sign]) -> int | None:
         return None
     number = found.num_samples * max(growths) ** found.dim
     unit = 10 ** max(0, math.floor(math.log10(number)) - 1)
-    return math.ceil(number / unit) * unit
+    return int(math.ceil(number / unit) * unit)
 
 
 def _verdict(
@@ -666,12 +714,14 @@ def _verdict(
         ratio = found.quantile(found.ratio, 0.95)
         most = "" if math.isnan(ratio) else f", spacing / reach at most {ratio:.2g}"
         return f"sampling is dense enough: {of}{most} at 95 %"
+    if reasons[0].text.startswith("no "):
+        return reasons[0].text
     marked = np.unique(np.concatenate([reason.samples for reason in reasons]))
     parts = [reasons[0].text]
     if len(marked):
         head = f"sampling is too sparse at {len(marked):,} of {of}"
-        place, most = _place(found, marked)
-        where = f"{'mostly' if most else 'for one'} near sample {place}"
+        place, mostly = _place(found, marked)
+        where = f"{'mostly' if mostly else 'for one'} near sample {place}"
         if points is not None:
             numbers = ", ".join(f"{c:.4g}" for c in points[place][:COORDINATES])
             more = ", ..." if points.shape[1] > COORDINATES else ""

@@ -1,0 +1,397 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The sampling report: its numbers, and what it makes of good and bad samples."""
+
+import json
+import math
+import pickle
+import subprocess
+import sys
+import warnings
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.spatial.distance import cdist
+
+import remanifold as rm
+from remanifold import datasets, quality
+
+BENCHMARKS = Path(__file__).resolve().parents[2] / "benchmarks"
+PER_SAMPLE = (
+    *("spacing", "curvature", "reach", "sampling_ratio", "tangent_confidence"),
+    *("disputed", "boundary", "fold", "gap", "doubtful"),
+)
+# (3 K (K + 3) / 2) neighbors of the narrow fits.
+FITTED = {1: 6, 2: 15, 3: 27, 4: 42}
+
+
+def reconstruct(*args, **options):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", rm.RemanifoldWarning)
+        return rm.reconstruct(*args, **options)
+
+
+@cache
+def of_shape(name, num, seed=0):
+    shape = datasets.SHAPES[name]
+    return reconstruct(shape.generate(num, random_state=seed), shape.dim)
+
+
+def same(a, b):
+    for name in PER_SAMPLE:
+        np.testing.assert_array_equal(getattr(a, name), getattr(b, name), err_msg=name)
+    assert a.verdict == b.verdict
+
+
+# --- The numbers ------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("dim", [1, 2, 3])
+@pytest.mark.parametrize("radius", [1.0, 1e-3])
+def test_curvature_and_reach_of_spheres(dim, radius):
+    rec = reconstruct(
+        radius * datasets.sphere(2000, dim=dim, random_state=0), dim
+    ).quality
+    assert np.median(rec.curvature) == pytest.approx(1 / radius, rel=0.1)
+    np.testing.assert_allclose(rec.reach, radius, rtol=0.12)
+    np.testing.assert_allclose(rec.sampling_ratio, rec.spacing / rec.reach)
+    assert rec.ok
+
+
+def test_curvature_of_a_torus_is_that_of_the_tube():
+    q = of_shape("torus", 3000).quality
+    assert np.median(q.curvature) == pytest.approx(2.5, rel=0.1)
+    assert np.quantile(q.reach, [0.01, 0.9]) == pytest.approx([0.4, 0.4], rel=0.15)
+
+
+@pytest.mark.parametrize(("name", "dim"), [("trefoil", 1), ("torus", 2)])
+def test_spacing_is_the_local_scale(name, dim):
+    points = datasets.SHAPES[name].generate(300, random_state=3)
+    rank = 10 if dim == 1 else 2 * dim + 2
+    distances = cdist(points, points)
+    order = np.argsort(distances, axis=1)[:, : rank + 1]  # itself first
+    raw = np.sort(distances, axis=1)[:, rank]
+    q = reconstruct(points, dim).quality
+    np.testing.assert_allclose(q.spacing, np.median(raw[order], axis=1), rtol=1e-12)
+
+
+def test_reach_by_its_definition():
+    """Federer's formula on plain points and fitted frames."""
+    points = datasets.torus(500, random_state=1)
+    q = reconstruct(points, 2).quality
+    near = rm.neighborhoods(points, 2 * FITTED[2]).indices
+    bases = rm.tangent_spaces(points, 2, FITTED[2], "jet").bases
+    vectors = points[near] - points[:, None]
+    lengths = np.linalg.norm(vectors, axis=2)
+    tangent = np.einsum("nkd,nmd->nmk", bases, vectors)
+    normal = np.linalg.norm(vectors - np.einsum("nmk,nkd->nmd", tangent, bases), axis=2)
+    far = lengths >= 0.75 * q.spacing[:, None]
+    inverse = np.where(far, 2 * normal / lengths**2, 0).max(axis=1)
+    np.testing.assert_allclose(q.reach, 1 / inverse, rtol=1e-6)
+
+
+def test_a_flat_sheet_has_no_curvature_and_full_confidence():
+    points = np.random.default_rng(0).uniform(size=(600, 2))
+    for samples in (points, np.pad(points, [(0, 0), (0, 3)])):
+        q = reconstruct(samples, 2).quality
+        assert np.isinf(q.reach).all()
+        assert q.curvature.max() < 1e-6
+        np.testing.assert_allclose(q.tangent_confidence, 1.0)
+        assert q.ok, str(q)
+
+
+def test_boundary_samples_are_those_on_open_faces():
+    rec = of_shape("spherical_cap", 400)
+    assert rec.quality.boundary.any()
+    np.testing.assert_array_equal(rec.quality.boundary, rec.boundary)
+    assert not of_shape("torus", 400).quality.boundary.any()
+
+
+def test_folds_of_a_cube_are_right_angles():
+    rng = np.random.default_rng(0)
+    points, faces = rng.uniform(size=(3000, 3)), rng.integers(0, 6, 3000)
+    points[np.arange(3000), faces % 3] = faces // 3
+    q = reconstruct(points, 2).quality
+    inside = np.sort(np.minimum(points, 1 - points), axis=1)[:, 1] > 0.2
+    assert q.fold[inside].max() < 1
+    assert 40 < np.median(q.fold[~inside & (q.fold > 1)]) < 100
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.1, 0.25])
+def test_noise_is_what_was_added(noise):
+    sphere = datasets.sphere(4000, random_state=0)
+    spacing = np.median(reconstruct(sphere, 2).quality.spacing)
+    moves = np.random.default_rng(1).normal(0, noise * spacing, 4000)
+    q = reconstruct(sphere * (1 + moves)[:, None], 2).quality
+    assert q.noise == pytest.approx(noise, rel=0.15, abs=1e-3)
+
+
+def test_disputed_shares_count_stars():
+    rec = of_shape("torus", 120)
+    q, repair = rec.quality, rec.repair
+    assert len(repair.disputed_simplices)
+    untouched = np.ones(rec.num_samples, dtype=bool)
+    untouched[repair.disputed_simplices.ravel()] = False
+    assert (q.disputed[untouched] == 0).all()
+    assert ((q.disputed[~untouched] > 0) & (q.disputed[~untouched] <= 1)).all()
+
+
+# --- The same for the same samples --------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "name", ["trefoil", "moebius_band", "klein_bottle", "sphere_3"]
+)
+def test_products_tell_as_much_as_points(name):
+    shape = datasets.SHAPES[name]
+    points = shape.generate(200, random_state=5)
+    known = reconstruct(points, shape.dim).quality
+    for given in ({"gram": points @ points.T}, {"distances": cdist(points, points)}):
+        q = reconstruct(dim=shape.dim, **given).quality
+        for field in ("spacing", "curvature", "reach", "tangent_confidence"):
+            np.testing.assert_allclose(
+                getattr(q, field), getattr(known, field), rtol=1e-4, err_msg=field
+            )
+        assert q.ok == known.ok
+
+
+def test_many_coordinates_change_nothing():
+    points = datasets.torus(300, random_state=0)
+    turn = np.linalg.qr(np.random.default_rng(0).normal(size=(300, 300)))[0]
+    known = reconstruct(points, 2).quality
+    q = reconstruct(np.pad(points, [(0, 0), (0, 297)]) @ turn, 2).quality
+    np.testing.assert_allclose(q.reach, known.reach, rtol=1e-5)
+    np.testing.assert_allclose(q.gap, known.gap, rtol=1e-5)
+
+
+def test_units_do_not_matter():
+    points = datasets.torus(90, random_state=0)
+    known = reconstruct(points, 2).quality
+    q = reconstruct(1e6 * points, 2).quality
+    np.testing.assert_allclose(q.sampling_ratio, known.sampling_ratio, rtol=1e-6)
+    np.testing.assert_allclose(q.spacing, 1e6 * known.spacing)
+    np.testing.assert_allclose(q.curvature, known.curvature / 1e6, rtol=1e-6)
+    assert [r.text for r in q.reasons] == [r.text for r in known.reasons]
+
+
+def test_threads_do_not_matter():
+    points, rec = datasets.torus(1500, random_state=0), of_shape("torus", 1500)
+    found = [
+        rm._core.quality("points", points, rec.simplices, 0, "auto", 256, threads, None)
+        for threads in (1, 2, 7)
+    ]
+    for other in found[1:]:
+        for name, values in found[0].items():
+            assert values.tobytes() == other[name].tobytes(), name
+
+
+def test_copies_have_the_values_of_their_sample():
+    points = datasets.spherical_cap(150, random_state=1)
+    copies = np.concatenate([points, points[::3]])
+    q, once = reconstruct(copies, 2).quality, reconstruct(points, 2).quality
+    for name in PER_SAMPLE:
+        values = getattr(q, name)
+        np.testing.assert_array_equal(values[150:], values[:150:3], err_msg=name)
+        np.testing.assert_array_equal(values[:150], getattr(once, name), err_msg=name)
+    assert q.verdict == once.verdict
+
+
+def test_computed_once_read_only_and_pickled():
+    rec = reconstruct(datasets.torus(80, random_state=0), 2)
+    q = rec.quality
+    assert rec.quality is q
+    assert q.reasons
+    for array in [getattr(q, name) for name in PER_SAMPLE] + [
+        reason.samples for reason in q.reasons
+    ]:
+        with pytest.raises(ValueError, match="read-only"):
+            array[:1] = 0
+    same(pickle.loads(pickle.dumps(rec)).quality, q)
+    gram = reconstruct(gram=rec.vertices @ rec.vertices.T, dim=2)
+    same(pickle.loads(pickle.dumps(gram)).quality, gram.quality)
+
+
+# --- The verdict --------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "num"),
+    [
+        *(("circle", 50), ("trefoil", 200), ("spiral", 800), ("sphere", 50)),
+        *(("torus", 200), ("klein_bottle", 250), ("moebius_band", 500)),
+        *(("annulus_in_4", 500), ("spherical_cap", 300), ("uneven_torus", 4000)),
+        *(("sphere_3", 150), ("bent_ball", 400), ("rotations", 200), ("sphere_4", 300)),
+    ],
+)
+def test_quiet_where_the_samples_do(name, num):
+    q = of_shape(name, num, 11).quality
+    assert q.ok, str(q)
+    assert q.reasons == ()
+    assert not q.doubtful.any()
+    assert q.recommended_samples is None
+    assert q.verdict.startswith(f"sampling is dense enough: {num:,} samples")
+
+
+@pytest.mark.parametrize(
+    ("name", "num"),
+    [
+        *(("torus", 70), ("flat_torus", 30), ("interlocking_tori", 280)),
+        *(("klein_bottle", 60), ("spherical_cap", 60), ("annulus_in_4", 150)),
+        *(("moebius_band", 100), ("swiss_roll", 350), ("flat_torus_3", 40)),
+        *(("rotations", 35), ("spiral", 35), ("uneven_double_torus", 300)),
+    ],
+)
+def test_doubts_where_the_result_is_wrong(name, num):
+    shape = datasets.SHAPES[name]
+    rec = of_shape(name, num, 11)
+    assert rec.topology().betti_numbers != shape.betti_numbers
+    q = rec.quality
+    assert not q.ok
+    assert q.reasons
+    lines = str(q).splitlines()
+    assert lines[0] == q.verdict
+    assert [f"- {reason.text}" for reason in q.reasons] == lines[1:]
+
+
+def test_verdict_counts_places_and_recommends():
+    rec = of_shape("torus", 70, 11)
+    q = rec.quality
+    named = np.unique(np.concatenate([reason.samples for reason in q.reasons]))
+    np.testing.assert_array_equal(np.flatnonzero(q.doubtful), named)
+    head = f"sampling is too sparse at {len(named)} of 70 samples, "
+    assert q.verdict.startswith(head)
+    place = int(q.verdict.split("near sample ")[1].split(" ")[0])
+    assert q.doubtful[place]
+    where = ", ".join(f"{c:.4g}" for c in rec.vertices[place])
+    assert f"near sample {place} at ({where})" in q.verdict
+    assert q.verdict.endswith(f"about {q.recommended_samples:,} would do")
+    # With as many as that it is right and says so.
+    more = of_shape("torus", q.recommended_samples, 11)
+    assert more.topology().betti_numbers == (1, 2, 1)
+    assert more.quality.ok
+
+
+def test_two_sheets_nearer_than_the_spacing():
+    inner = datasets.sphere(400, random_state=0)
+    spacing = np.median(reconstruct(inner, 2).quality.spacing)
+    outer = (1 + 0.6 * spacing) * datasets.sphere(400, random_state=1)
+    q = reconstruct(np.concatenate([inner, outer]), 2).quality
+    assert not q.ok
+    assert any("far along the result" in reason.text for reason in q.reasons)
+    outer *= (1 + 3 * spacing) / (1 + 0.6 * spacing)
+    assert reconstruct(np.concatenate([inner, outer]), 2).quality.ok
+
+
+def test_a_hole_that_was_closed_is_named():
+    points = np.random.default_rng(0).uniform(-1, 1, size=(3000, 2))
+    spacing = np.median(reconstruct(points, 2).quality.spacing)
+    points = points[np.linalg.norm(points, axis=1) > 2.4 * spacing]
+    rec = reconstruct(np.pad(points, [(0, 0), (0, 1)]), 2)
+    assert rec.topology().boundary_components == 1  # it was closed
+    q = rec.quality
+    (reason,) = q.reasons
+    assert "a hole may have been closed" in reason.text
+    assert np.linalg.norm(rec.vertices[reason.samples], axis=1).max() < 4 * spacing
+    assert np.linalg.norm(rec.vertices[np.argmax(q.gap)]) < 4 * spacing
+
+
+def test_noise_is_no_reason():
+    points = datasets.sphere(1500, random_state=0)
+    moves = np.random.default_rng(1).normal(0, 0.15 * 0.1, 1500)  # 0.15 spacings
+    rec = reconstruct(points * (1 + moves)[:, None], 2)
+    assert rec.topology().betti_numbers == (1, 0, 1)
+    assert rec.quality.noise > 0.1
+    assert rec.quality.ok, str(rec.quality)
+
+
+def test_the_chance_of_gaps_is_that_of_a_poisson_process():
+    special = pytest.importorskip("scipy.special")
+    gaps = np.array([0.0, 0.5, 1.0, 2.0])
+    for dim in (1, 2, 3, 4):
+        inside = (10 if dim == 1 else 2 * dim + 2) * gaps**dim
+        np.testing.assert_allclose(
+            10 ** quality._log_chance(gaps, dim), special.gammaincc(dim, inside)
+        )
+
+
+def test_too_few_samples():
+    for dim, least in FITTED.items():
+        rec = reconstruct(datasets.sphere(least, dim=dim, random_state=0), dim)
+        q = rec.quality
+        assert not q.ok
+        assert f"{least} samples are fewer than the {least + 1}" in q.verdict
+        assert not q.doubtful.any()
+
+
+@pytest.mark.parametrize(
+    ("points", "dim"),
+    [
+        (np.random.default_rng(0).uniform(size=(3, 2)), 2),
+        (np.random.default_rng(0).uniform(size=(60, 1)), 1),
+        (np.random.default_rng(0).uniform(size=(60, 3)), 3),
+        (np.random.default_rng(0).uniform(size=(40, 5)), 5),
+        (np.zeros((8, 3)), 2),
+        (np.linspace(0, 1, 40)[:, None] * [1.0, 2.0, 3.0], 2),
+        (np.stack(np.meshgrid(range(12), range(12)), axis=-1).reshape(-1, 2), 2),
+    ],
+    ids=["triangle", "line", "solid", "dim5", "one point", "collinear", "grid"],
+)
+def test_degenerate_samples(points, dim):
+    q = reconstruct(np.asarray(points, dtype=float), dim).quality
+    for name in PER_SAMPLE:
+        assert len(getattr(q, name)) == len(points)
+    assert math.isnan(q.noise) or q.noise >= 0
+    assert "\n" not in q.verdict
+
+
+def test_the_paper_method_has_a_report_too():
+    rec = reconstruct(datasets.torus(400, random_state=0), 2, method="paper")
+    assert not rec.quality.ok
+    assert "no manifold" in rec.quality.verdict
+    assert (rec.quality.disputed == 0).all()
+
+
+# --- Command lines --------------------------------------------------------------------
+
+
+def test_command_line(tmp_path):
+    np.save(tmp_path / "torus.npy", datasets.torus(70, random_state=0))
+    command = [sys.executable, "-m", "remanifold", "reconstruct", "-k", "2"]
+    command += [str(tmp_path / "torus.npy"), "-o", str(tmp_path / "torus.ply")]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert "sampling is too sparse at" in done.stdout
+    done = subprocess.run(
+        [*command, "--json"], capture_output=True, text=True, check=True
+    )
+    found = json.loads(done.stdout)["sampling"]
+    q = reconstruct(np.load(tmp_path / "torus.npy"), 2).quality
+    assert found == {
+        "ok": False,
+        "verdict": q.verdict,
+        "reasons": [reason.text for reason in q.reasons],
+        "doubtful_samples": int(q.doubtful.sum()),
+        "recommended_samples": q.recommended_samples,
+        "noise": q.noise,
+    }
+
+
+def test_benchmark(tmp_path):
+    file = tmp_path / "critical.json"
+    done = subprocess.run(
+        [
+            *(sys.executable, str(BENCHMARKS / "critical_sampling.py"), "--markdown"),
+            *("--shape", "projective_plane", "--seeds", "1", "--json", str(file)),
+        ],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    (result,) = json.loads(file.read_text(encoding="utf-8"))["results"]
+    assert result["runs"] == result["wrong"] + result["right"] == 10
+    assert 0 < result["warned"] <= result["wrong"]
+    assert result["false alarms"] <= 1
+    head, _, row, total = done.stdout.splitlines()
+    assert head == "|  | samples | runs | wrong | warned | right | false alarms |"
+    assert row.startswith("| projective plane in R^5 | ")
+    assert total.startswith("| all |")
