@@ -800,10 +800,9 @@ def test_examples_in_docstrings(name):
     result = doctest.testmod(importlib.import_module(name))
     assert result.failed == 0
     with_examples = (
-        *("remanifold", "datasets", "dimension", "io", "reconstruction", "steps"),
+        *("remanifold", "cleaning", "datasets", "dimension", "io", "reconstruction"),
+        *("singularities", "steps"),
     )
-    with_examples = ("remanifold", "datasets", "io", "reconstruction", "steps")
-    with_examples += ("singularities",)
     assert (result.attempted > 0) == (name.rpartition(".")[2] in with_examples)
 
 

@@ -18,7 +18,10 @@ from scipy.spatial.distance import cdist
 import remanifold as rm
 from remanifold.reconstruction import METHODS
 
-STEPS = ["prepare", "neighborhoods", "tangent_spaces", "local_regions", "complex"]
+STEPS = [
+    *("prepare", "neighborhoods", "outliers", "tangent_spaces", "local_regions"),
+    "complex",
+]
 PROMPTLY = 5.0  # seconds, though a tenth is usual: the machine may be busy
 
 
