@@ -167,12 +167,11 @@ class Quadric {
         products(i, j) = products(j, i) = sum;
       }
     }
-    const double largest = dim_ == 1
-                               ? products(0, 0)
-                               : Eigen::SelfAdjointEigenSolver<Square>(
-                                     products, Eigen::EigenvaluesOnly)
-                                     .eigenvalues()
-                                     .maxCoeff();
+    const double largest = dim_ == 1 ? products(0, 0)
+                                     : Eigen::SelfAdjointEigenSolver<Square>(
+                                           products, Eigen::EigenvaluesOnly)
+                                           .eigenvalues()
+                                           .maxCoeff();
     return std::sqrt(std::max(0.0, largest)) / (size_ * size_);
   }
 
@@ -579,11 +578,10 @@ class ShapeOfResult {
       folds_[f] = static_cast<float>(std::acos(-cosine) * 180 / kPi);
       return;
     }
-    const double height =
-        dim *
-        std::min(ruler.measure(simplex, arity_).volume,
-                 ruler.measure(opposite, arity_).volume) /
-        ruler.measure(facet, dim).volume;
+    const double height = dim *
+                          std::min(ruler.measure(simplex, arity_).volume,
+                                   ruler.measure(opposite, arity_).volume) /
+                          ruler.measure(facet, dim).volume;
     if (height >= kLeastHeight * ruler.scale(facet, dim)) {
       folds_[f] = static_cast<float>(std::acos(-cosine) * 180 / kPi);
     }
@@ -627,8 +625,8 @@ SamplingQuality measure_quality(const Samples& samples, const NeighborSearch& se
   result.adjacent = adjacency_of(result.simplices, n);
   result.rim = rim_of(result.simplices, result.neighbors, n);
   const ShapeOfResult shape(samples, scales,
-                            undisturbed_scales(scales, neighborhoods, execution), result,
-                            execution);
+                            undisturbed_scales(scales, neighborhoods, execution),
+                            result, execution);
 
   SamplingQuality out;
   for (std::vector<double>* values :
@@ -640,17 +638,17 @@ SamplingQuality measure_quality(const Samples& samples, const NeighborSearch& se
   out.rim = result.rim;
   const auto run = [&](auto k, auto d) {
     using Kernel = QualityKernel<decltype(k)::value, decltype(d)::value>;
-    detail::PerThread<Kernel> kernels([&] {
-      return Kernel(samples, neighborhoods, scales, result, dim, narrow);
-    });
-    detail::for_each_block_uncounted(n, kGroup, execution, [&](Offset begin, Offset end) {
-      Kernel& kernel = kernels.local();
-      for (Offset i = begin; i < end; ++i) {
-        const auto x = static_cast<Index>(i);
-        kernel.measure(x, out);
-        shape.write(x, out);
-      }
-    });
+    detail::PerThread<Kernel> kernels(
+        [&] { return Kernel(samples, neighborhoods, scales, result, dim, narrow); });
+    detail::for_each_block_uncounted(n, kGroup, execution,
+                                     [&](Offset begin, Offset end) {
+                                       Kernel& kernel = kernels.local();
+                                       for (Offset i = begin; i < end; ++i) {
+                                         const auto x = static_cast<Index>(i);
+                                         kernel.measure(x, out);
+                                         shape.write(x, out);
+                                       }
+                                     });
   };
   detail::dispatch_dim(dim, [&](auto k) {
     if constexpr (k == 1 || k == 2) {

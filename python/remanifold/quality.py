@@ -427,8 +427,9 @@ def _noise(
 
 def _signs(found: _Findings) -> Iterator[_Sign]:
     """All signs, the plainest first. A new kind of doubt is one more line here."""
-    yield from _too_few(found)
-    if found.num_simplices > 0:
+    few = list(_too_few(found))
+    yield from few
+    if not few:
         yield from _not_a_manifold(found)
         yield from _strange_neighbors(found)
         yield from _folds(found)
@@ -699,8 +700,8 @@ def _recommended(found: _Findings, signs: list[_Sign]) -> int | None:
     if not growths:
         return None
     number = found.num_samples * max(growths) ** found.dim
-    unit = 10 ** max(0, math.floor(math.log10(number)) - 1)
-    return int(math.ceil(number / unit) * unit)
+    unit = int(10 ** max(0, math.floor(math.log10(number)) - 1))
+    return math.ceil(number / unit) * unit
 
 
 def _verdict(
@@ -712,16 +713,18 @@ def _verdict(
     of = _count(found.num_samples, "sample")
     if not reasons:
         ratio = found.quantile(found.ratio, 0.95)
-        most = "" if math.isnan(ratio) else f", spacing / reach at most {ratio:.2g}"
-        return f"sampling is dense enough: {of}{most} at 95 %"
+        return (
+            f"sampling is dense enough: the spacing is at most {ratio:.2g} times the "
+            f"reach at 95 % of {of}"
+        )
     if reasons[0].text.startswith("no "):
         return reasons[0].text
     marked = np.unique(np.concatenate([reason.samples for reason in reasons]))
     parts = [reasons[0].text]
     if len(marked):
         head = f"sampling is too sparse at {len(marked):,} of {of}"
-        place, mostly = _place(found, marked)
-        where = f"{'mostly' if mostly else 'for one'} near sample {place}"
+        place, together = _place(found, marked)
+        where = f"{'mostly' if together else 'for one'} near sample {place}"
         if points is not None:
             numbers = ", ".join(f"{c:.4g}" for c in points[place][:COORDINATES])
             more = ", ..." if points.shape[1] > COORDINATES else ""

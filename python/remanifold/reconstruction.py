@@ -530,7 +530,7 @@ def reconstruct(
         timings=result["timings"],
         _report=report,
         _frames=frames,
-        _products=None if samples.kind == "points" else samples,
+        _products=None if known else (samples.kind, samples.matrix.view()),
         **paper,
     )
     # What is known already fills the places of the cached properties.

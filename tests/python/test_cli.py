@@ -28,7 +28,7 @@ KEYS = {
     *("boundary_samples", "merged_samples", "unused_samples", "coface_counts"),
     *("outliers", "smoothing"),
     *("open_faces", "callous_faces", "holes", "boundary_components"),
-    *("singular_vertices", "seconds", "warnings"),
+    *("singular_vertices", "sampling", "seconds", "warnings"),
     *("boundary", "hole_radius", "agreed_simplices", "disputed_simplices"),
     *("filled_simplices", "inserted_samples"),
     "unstarred_simplices",

@@ -118,11 +118,11 @@ def test_folds_of_a_cube_are_right_angles():
     assert 40 < np.median(q.fold[~inside & (q.fold > 1)]) < 100
 
 
-@pytest.mark.parametrize("noise", [0.0, 0.1, 0.25])
+@pytest.mark.parametrize("noise", [0.0, 0.1, 0.2])
 def test_noise_is_what_was_added(noise):
-    sphere = datasets.sphere(4000, random_state=0)
+    sphere = datasets.sphere(2000, random_state=0)
     spacing = np.median(reconstruct(sphere, 2).quality.spacing)
-    moves = np.random.default_rng(1).normal(0, noise * spacing, 4000)
+    moves = np.random.default_rng(1).normal(0, noise * spacing, 2000)
     q = reconstruct(sphere * (1 + moves)[:, None], 2).quality
     assert q.noise == pytest.approx(noise, rel=0.15, abs=1e-3)
 
@@ -198,7 +198,7 @@ def test_copies_have_the_values_of_their_sample():
 
 
 def test_computed_once_read_only_and_pickled():
-    rec = reconstruct(datasets.torus(80, random_state=0), 2)
+    rec = reconstruct(datasets.torus(60, random_state=0), 2)
     q = rec.quality
     assert rec.quality is q
     assert q.reasons
@@ -230,7 +230,8 @@ def test_quiet_where_the_samples_do(name, num):
     assert q.reasons == ()
     assert not q.doubtful.any()
     assert q.recommended_samples is None
-    assert q.verdict.startswith(f"sampling is dense enough: {num:,} samples")
+    assert q.verdict.startswith("sampling is dense enough: ")
+    assert q.verdict.endswith(f" times the reach at 95 % of {num:,} samples")
 
 
 @pytest.mark.parametrize(
@@ -272,15 +273,14 @@ def test_verdict_counts_places_and_recommends():
     assert more.quality.ok
 
 
-def test_two_sheets_nearer_than_the_spacing():
-    inner = datasets.sphere(400, random_state=0)
-    spacing = np.median(reconstruct(inner, 2).quality.spacing)
-    outer = (1 + 0.6 * spacing) * datasets.sphere(400, random_state=1)
-    q = reconstruct(np.concatenate([inner, outer]), 2).quality
-    assert not q.ok
-    assert any("far along the result" in reason.text for reason in q.reasons)
-    outer *= (1 + 3 * spacing) / (1 + 0.6 * spacing)
-    assert reconstruct(np.concatenate([inner, outer]), 2).quality.ok
+@pytest.mark.parametrize(("distance", "ok"), [(0.6, False), (5.0, True)])
+def test_two_sheets(distance, ok):
+    points = np.random.default_rng(0).uniform(size=(600, 3))
+    spacing = np.median(reconstruct(points[:300, :2], 2).quality.spacing)
+    points[:, 2] = np.repeat([0, distance * spacing], 300)
+    q = reconstruct(points, 2).quality
+    assert q.ok == ok, str(q)
+    assert any("far along the result" in r.text for r in q.reasons) == (not ok)
 
 
 def test_a_hole_that_was_closed_is_named():

@@ -30,17 +30,18 @@ struct QualityOptions {
 /// By input number, copies like the sample they were merged with; input lengths. NaN where
 /// a sample has too few neighbors.
 struct SamplingQuality {
-  std::vector<double> spacing;         ///< h, see local_scales
-  std::vector<double> scatter;         ///< root mean square distance from the narrow fit
-  std::vector<double> wide_scatter;    ///< the same for the wide fit
-  std::vector<double> curvature;       ///< largest norm of the second fundamental form
-  std::vector<double> reach;           ///< infinite where the neighborhood is flat
-  std::vector<double> tangent_share;   ///< volume of the star on T_x over its own volume
-  std::vector<double> fold;            ///< largest fold in degrees away from the rim
-  std::vector<double> gap;             ///< largest empty ball away from the rim
-  std::vector<double> nearest_strange; ///< distance to the nearest sample far along the
-                                       ///< result; infinite where none of the neighbors is
-  std::vector<std::uint8_t> rim;       ///< 2: on an open facet, 1: in a simplex with such
+  std::vector<double> spacing;        ///< h, see local_scales
+  std::vector<double> scatter;        ///< root mean square distance from the narrow fit
+  std::vector<double> wide_scatter;   ///< the same for the wide fit
+  std::vector<double> curvature;      ///< largest norm of the second fundamental form
+  std::vector<double> reach;          ///< infinite where the neighborhood is flat
+  std::vector<double> tangent_share;  ///< volume of the star on T_x over its own volume
+  std::vector<double> fold;           ///< largest fold in degrees away from the rim
+  std::vector<double> gap;            ///< largest empty ball away from the rim
+  std::vector<double>
+      nearest_strange;            ///< distance to the nearest sample far along the
+                                  ///< result; infinite where none of the neighbors is
+  std::vector<std::uint8_t> rim;  ///< 2: on an open facet, 1: in a simplex with such
 };
 
 /// \param simplices  in input numbers, columns in any order
