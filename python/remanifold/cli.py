@@ -510,8 +510,7 @@ def _report(rec: rm.Reconstruction) -> dict[str, Any]:
         },
         "seconds": {
             **rec.timings,
-            "report": seconds_topology + seconds_repair,
-            "sampling": seconds_quality,
+            "report": seconds_topology + seconds_repair + seconds_quality,
         },
     }
 

@@ -235,6 +235,7 @@ _LIMITS = {1: _CURVES, 2: _SURFACES, 3: _THREE}
 
 MOST_FOLD = 176.0  # degrees that noise may account for, with the limit itself
 MOST_NOISE = 0.2  # over the spacing, beyond which it is no longer told from sparsity
+MANY_OUTLIERS = 0.05  # share of the samples
 FEW = 20_000  # samples among which crossings are looked for without a sign
 LEAST_GAPS = 30  # samples from which the evenness is judged
 ENOUGH = 1.0  # spacing over reach that is asked for when recommending
@@ -330,6 +331,14 @@ def assess(rec: Reconstruction) -> Quality:
         noise=_noise(scatter[own], wide_scatter[own], rec.dim),
     )
     signs = sorted(_signs(findings), key=lambda sign: not sign.strong)
+    if len(rec.outliers) > MANY_OUTLIERS * rec.num_samples:
+        text = (
+            f"{_count(len(rec.outliers), 'sample')} were left out as outliers: stray, or "
+            "the sampling is too sparse there"
+        )
+        signs.append(_Sign(True, text, rec.outliers.astype(np.int64)))
+    if signs or findings.num_samples <= FEW:
+        signs = [*_singularities(rec, kind, matrix), *signs]
     if not any(sign.strong for sign in signs) and len(signs) < 2:
         signs = []
     reasons = tuple(Reason(sign.text, sign.samples) for sign in signs)

@@ -395,3 +395,36 @@ def test_benchmark(tmp_path):
     assert head == "|  | samples | runs | wrong | warned | right | false alarms |"
     assert row.startswith("| projective plane in R^5 | ")
     assert total.startswith("| all |")
+
+
+@pytest.mark.parametrize(
+    ("draw", "says"),
+    [
+        (lambda: datasets.sphere_with_antenna(1500, random_state=0), "dimension 1"),
+        (lambda: datasets.crossing_balls(1500, random_state=0), "cross"),
+    ],
+)
+def test_data_that_is_no_manifold_is_said(draw, says):
+    points = draw()
+    q = reconstruct(points, 2).quality
+    assert not q.ok
+    assert q.verdict.startswith("no 2-manifold")
+    assert says in q.verdict
+    assert 0 < np.count_nonzero(q.doubtful) < len(points)
+
+
+def test_outliers_have_no_values():
+    rng = np.random.default_rng(0)
+    points = np.vstack(
+        [datasets.sphere(900, random_state=0), rng.uniform(-2, 2, (20, 3))]
+    )
+    rec = reconstruct(points, 2)
+    q = rec.quality
+    assert len(rec.outliers) > 10
+    assert np.isnan(q.spacing[rec.outliers]).all()
+    kept = np.setdiff1d(np.arange(920), rec.outliers)
+    alone = reconstruct(points[kept], 2).quality
+    np.testing.assert_allclose(q.spacing[kept], alone.spacing)
+    np.testing.assert_allclose(q.fold[kept], alone.fold)
+    many = np.vstack([points[:900], rng.uniform(-2, 2, (90, 3))])
+    assert "left out as outliers" in str(reconstruct(many, 2).quality)
