@@ -360,7 +360,9 @@ def _fit(
         cloud, centers[block] = _differences(points, own, near[block, :size])
         values, coordinates = _principal(cloud)
         # Directions from coordinates: free of D x D matrices.
-        scaled = coordinates[:, :, :dim] / _positive(values[:, None, :dim])
+        # Collinear samples have none but the first; what rounding says is as good.
+        known = np.maximum(values[:, None, :dim], 1e-30 * values[:, None, :1])
+        scaled = coordinates[:, :, :dim] / _positive(known)
         vectors = scaled.transpose(0, 2, 1) @ cloud
         lengths = np.linalg.norm(vectors, axis=2, keepdims=True)
         bases[block] = vectors / _positive(lengths)
