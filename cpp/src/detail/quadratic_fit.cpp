@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <vector>
 
 namespace remanifold::detail {
@@ -27,40 +28,39 @@ constexpr double kFarthest = 1.5;
 /// A row that alone determines the quadric there says nothing about itself.
 constexpr double kLeastFreedom = 1e-3;
 
-/// The leading eigenvectors, in columns, the largest last; the same number at most.
-Eigen::MatrixXd leading_eigenvectors(const Eigen::MatrixXd& matrix, Eigen::Index count,
-                                     Eigen::VectorXd& values) {
-  const Eigen::Index size = matrix.rows();
+/// The leading right singular vectors, in columns, the largest last, and the squares of
+/// their singular values.
+Eigen::MatrixXd leading_directions(const Eigen::MatrixXd& rows, Eigen::Index count,
+                                   Eigen::VectorXd& squares) {
+  const Eigen::Index size = rows.cols();
   if (size < kManyCoordinates) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(matrix);
-    values = eigen.eigenvalues().tail(count);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(rows.transpose() * rows);
+    squares = eigen.eigenvalues().tail(count);
     return eigen.eigenvectors().rightCols(count);
   }
-  // Starts from the columns of the axes that vary most.
+  // Starts from the axes that vary most.
   const Eigen::Index carried = std::min(size, count + kSpareDirections);
+  const Eigen::VectorXd variation = rows.colwise().squaredNorm();
   std::vector<Eigen::Index> axes(size);
-  for (Eigen::Index i = 0; i < size; ++i) {
-    axes[i] = i;
-  }
+  std::iota(axes.begin(), axes.end(), 0);
   std::partial_sort(axes.begin(), axes.begin() + carried, axes.end(),
                     [&](Eigen::Index a, Eigen::Index b) {
-                      return matrix(a, a) != matrix(b, b) ? matrix(a, a) > matrix(b, b)
+                      return variation[a] != variation[b] ? variation[a] > variation[b]
                                                           : a < b;
                     });
-  Eigen::MatrixXd directions(size, carried);
+  Eigen::MatrixXd images(rows.rows(), carried);
   for (Eigen::Index i = 0; i < carried; ++i) {
-    directions.col(i) = matrix.col(axes[i]);
+    images.col(i) = rows.col(axes[i]);
   }
+  Eigen::MatrixXd directions;
   for (int step = 0; step < kIterations; ++step) {
-    const Eigen::HouseholderQR<Eigen::MatrixXd> factors(directions);
+    const Eigen::HouseholderQR<Eigen::MatrixXd> factors(rows.transpose() * images);
     directions = factors.householderQ() * Eigen::MatrixXd::Identity(size, carried);
-    if (step + 1 < kIterations) {
-      directions = matrix * directions;
-    }
+    images.noalias() = rows * directions;
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(directions.transpose() *
-                                                             matrix * directions);
-  values = eigen.eigenvalues().tail(count);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(images.transpose() *
+                                                             images);
+  squares = eigen.eigenvalues().tail(count);
   return directions * eigen.eigenvectors().rightCols(count);
 }
 
@@ -93,17 +93,16 @@ bool QuadraticFit::find_principal() {
   const Eigen::RowVectorXd mean = weights.transpose() * vectors / total;
   const Eigen::MatrixXd centered =
       weights.cwiseSqrt().asDiagonal() * (vectors.rowwise() - mean);
-  const Eigen::MatrixXd covariance = centered.transpose() * centered;
-  Eigen::VectorXd values;
-  const Eigen::MatrixXd directions = leading_eigenvectors(covariance, dim_, values);
-  if (!(values[0] > kDependentSquaredSine * values[dim_ - 1])) {
+  Eigen::VectorXd squares;
+  const Eigen::MatrixXd directions = leading_directions(centered, dim_, squares);
+  if (!(squares[0] > kDependentSquaredSine * squares[dim_ - 1])) {
     return false;
   }
   frame_ = directions.transpose();
   return true;
 }
 
-bool QuadraticFit::solve_design() {
+void QuadraticFit::solve_design() {
   fill_design();
   for (const int candidate : {unknowns(dim_), 1 + dim_, 1}) {
     if (decompose(candidate)) {
@@ -112,7 +111,6 @@ bool QuadraticFit::solve_design() {
   }
   coefficients_ =
       factors_.solve(weighted_.leftCols(num_unknowns_).transpose() * *vectors_);
-  return true;
 }
 
 void QuadraticFit::fill_design() {

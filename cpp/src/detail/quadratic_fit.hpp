@@ -35,7 +35,7 @@ class QuadraticFit {
 
  private:
   bool find_principal();
-  bool solve_design();
+  void solve_design();
   bool decompose(int num_unknowns);
   void fill_design();
   void tangent_terms(Eigen::Index row, double most, Eigen::VectorXd& terms) const;
