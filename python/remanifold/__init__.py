@@ -22,6 +22,7 @@ from remanifold.cleaning import Smoothing, find_outliers, smooth
 from remanifold.dimension import DimensionEstimate, estimate_dimension
 from remanifold.quality import Quality, Reason
 from remanifold.reconstruction import Reconstruction, Repair, reconstruct
+from remanifold.simplicial_complex import SimplicialComplex
 from remanifold.singularities import Place, Singularities, find_singularities
 from remanifold.steps import (
     EdgeSets,
@@ -59,6 +60,7 @@ __all__ = [
     "Reconstruction",
     "RemanifoldWarning",
     "Repair",
+    "SimplicialComplex",
     "Singularities",
     "Smoothing",
     "Stars",

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
 Kind = Literal["points", "gram", "distances"]
 OUTLIER_DISTANCE = 2.0  # local scales
+_LARGEST_INDEX = np.iinfo(np.int32).max
 
 
 class Input(NamedTuple):
@@ -224,28 +225,44 @@ def check_index_array(
 
 def check_simplices(simplices: ArrayLike) -> NDArray[np.int32]:
     """(M, K+1) with K >= 1, no row twice; columns in any order, sorted here."""
+    return np.sort(check_cells(simplices, None, least_dim=1), axis=1)
+
+
+def check_cells(
+    simplices: ArrayLike, num_vertices: int | None, least_dim: int = 0
+) -> NDArray[np.int32]:
+    """(M, K+1), no row twice, the order of the columns kept."""
     array = _as_array(simplices, "simplices")
     if (
         array.ndim != 2
-        or array.shape[1] < 2
+        or array.shape[1] < least_dim + 1
         or not np.issubdtype(array.dtype, np.integer)
     ):
         msg = (
-            "simplices must be an integer array of shape (M, K + 1) with K >= 1, got "
-            f"shape {array.shape} and dtype {array.dtype}"
+            "simplices must be an integer array of shape (M, K + 1) with K >= "
+            f"{least_dim}, got shape {array.shape} and dtype {array.dtype}"
         )
         raise ValueError(msg)
-    if array.size and not -1 <= array.min() <= array.max() <= np.iinfo(np.int32).max:
-        msg = "simplices has values that are no vertices"
+    if num_vertices is None:
+        if array.size and not -1 <= array.min() <= array.max() <= _LARGEST_INDEX:
+            msg = "simplices has values that are no vertices"
+            raise ValueError(msg)
+    elif array.size and not 0 <= array.min() <= array.max() < num_vertices:
+        wrong = ((array < 0) | (array >= num_vertices)).any(axis=1)
+        row = int(wrong.argmax())
+        msg = (
+            f"simplices[{row}] is {array[row].tolist()}, expected indices from 0 to "
+            f"{num_vertices - 1}"
+        )
         raise ValueError(msg)
-    # A copy: results keep it, read-only.
-    result = np.sort(array.astype(np.int32), axis=1)
-    twice = (result[:, 1:] == result[:, :-1]).any(axis=1)
+    result = array.astype(np.int32)  # a copy: results keep it, read-only
+    rows = np.sort(result, axis=1)
+    twice = (rows[:, 1:] == rows[:, :-1]).any(axis=1)
     if twice.any():
         msg = f"simplices[{int(twice.argmax())}] has a vertex twice"
         raise ValueError(msg)
-    order = np.lexsort(result.T)
-    same = (result[order[1:]] == result[order[:-1]]).all(axis=1)
+    order = np.lexsort(rows.T)
+    same = (rows[order[1:]] == rows[order[:-1]]).all(axis=1)
     if same.any():
         first, second = sorted(
             int(i) for i in order[[same.argmax(), same.argmax() + 1]]

@@ -29,6 +29,7 @@ from remanifold._validation import (
 from remanifold.cleaning import as_points, smoothing_of
 from remanifold.dimension import find_dimension
 from remanifold.quality import Quality, assess
+from remanifold.simplicial_complex import SimplicialComplex
 from remanifold.steps import (
     CHECKS,
     EDGE_RULES,
@@ -38,7 +39,6 @@ from remanifold.steps import (
     Stars,
     warn_of_recall,
 )
-from remanifold.topology import Topology, topology_of
 from remanifold.warnings import ManifoldWarning
 
 if TYPE_CHECKING:
@@ -140,8 +140,8 @@ class Repair(ReadOnlyArrays):
         ]
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Reconstruction(ReadOnlyArrays):
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Reconstruction(SimplicialComplex):
     """A reconstructed manifold and the intermediate results. Arrays are read-only.
 
     Attributes
@@ -167,8 +167,6 @@ class Reconstruction(ReadOnlyArrays):
     smoothing : Smoothing or None
         How noisy the samples were and what was done about it; None with
         ``smooth=False``.
-    dim, ambient_dim : int
-        K and D (None where only products are known).
     method, estimator, search : str
         How the result was made.
     num_neighbors : int
@@ -187,18 +185,15 @@ class Reconstruction(ReadOnlyArrays):
     unbounded : ndarray, shape (N,), bool
         Paper: samples whose local region is unbounded.
     edge_rule : str
-        Paper: which edges count.
+        Paper: which edges count. `edges` are those of the graph whose cliques the
+        simplices are.
     """
 
-    vertices: NDArray[np.float64] | None
     samples: NDArray[np.float64] | None
-    simplices: NDArray[np.int32]
     boundary: NDArray[np.bool_]
     representatives: NDArray[np.int32]
     outliers: NDArray[np.int32]
     smoothing: Smoothing | None
-    dim: int
-    ambient_dim: int | None
     method: str
     estimator: str
     search: str
@@ -212,7 +207,10 @@ class Reconstruction(ReadOnlyArrays):
     edge_rule: str | None = None
     _report: dict[str, Any] = field(default_factory=dict)
     _frames: tuple[NDArray[np.float64], NDArray[np.int32], float] | None = None
-    _products: tuple[str, NDArray[np.float64]] | None = None
+
+    def __post_init__(self) -> None:
+        """The arrays come from the core: nothing to check."""
+        ReadOnlyArrays.__post_init__(self)
 
     def __repr__(self) -> str:
         ambient = (
@@ -228,15 +226,10 @@ class Reconstruction(ReadOnlyArrays):
         """N, copies included."""
         return len(self.boundary)
 
-    @functools.cached_property
-    def edges(self) -> NDArray[np.int32]:
-        """Edges of the simplices, (E, 2), i < j, sorted; computed when first asked for.
-
-        Paper: edges of the graph whose cliques the simplices are.
-        """
-        edges = _core.edges(self.simplices, self.num_samples)
-        edges.flags.writeable = False
-        return edges
+    @property
+    def num_vertices(self) -> int:
+        """The same: samples in no simplex count."""
+        return self.num_samples
 
     @functools.cached_property
     def tangents(self) -> NDArray[np.float64] | None:
@@ -250,38 +243,6 @@ class Reconstruction(ReadOnlyArrays):
         bases = _core.tangent_bases(self.vertices, *self._frames, 0, None)
         bases.flags.writeable = False
         return bases
-
-    def topology(self, component: int | None = None) -> Topology:
-        """Topology of the complex, computed once, or of one of its components.
-
-        Parameters
-        ----------
-        component : int, optional
-            Label of a component, as in `component_labels`.
-
-        Returns
-        -------
-        Topology
-
-        Raises
-        ------
-        ValueError
-            No component has this label.
-        """
-        if component is None:
-            return self._topology
-        count = self._topology.components
-        index = check_int(component, "component", minimum=0)
-        if index >= count:
-            msg = f"component is {index}, expected 0 to {count - 1}"
-            raise ValueError(msg)
-        simplices = np.sort(self.simplices, axis=1)
-        own = self.component_labels()[simplices[:, 0]] == index
-        return topology_of(simplices[own], self.num_samples)
-
-    @functools.cached_property
-    def _topology(self) -> Topology:
-        return topology_of(np.sort(self.simplices, axis=1), self.num_samples)
 
     @functools.cached_property
     def repair(self) -> Repair:
@@ -335,10 +296,6 @@ class Reconstruction(ReadOnlyArrays):
             return "points", self.vertices
         assert self._products is not None
         return self._products
-
-    def component_labels(self) -> NDArray[np.int32]:
-        """Component of each sample, in order of lowest vertex; -1 in no simplex."""
-        return _core.component_labels(self.simplices, self.num_samples)
 
 
 def reconstruct(
@@ -520,8 +477,6 @@ def reconstruct(
         representatives=result["representatives"],
         outliers=result["cleaning"]["outliers"],
         smoothing=smoothing,
-        dim=k,
-        ambient_dim=None if vertices is None else vertices.shape[1],
         method=method,
         estimator=estimator,
         search=result["search"],

@@ -801,7 +801,7 @@ def test_examples_in_docstrings(name):
     assert result.failed == 0
     with_examples = (
         *("remanifold", "cleaning", "datasets", "dimension", "io", "reconstruction"),
-        *("singularities", "steps"),
+        *("simplicial_complex", "singularities", "steps"),
     )
     assert (result.attempted > 0) == (name.rpartition(".")[2] in with_examples)
 
