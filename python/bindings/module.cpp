@@ -2,6 +2,7 @@
 #include <pybind11/pybind11.h>
 
 namespace remanifold::python {
+void bind_projection(pybind11::module_& module);
 void bind_quality(pybind11::module_& module);
 void bind_steps(pybind11::module_& module);
 void bind_reconstruct(pybind11::module_& module);
@@ -15,4 +16,5 @@ PYBIND11_MODULE(_core, module) {
   remanifold::python::bind_reconstruct(module);
   remanifold::python::bind_topology(module);
   remanifold::python::bind_quality(module);
+  remanifold::python::bind_projection(module);
 }

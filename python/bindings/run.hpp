@@ -36,6 +36,8 @@ inline const char* step_name(Step step) {
       return "complex";
     case Step::kTopology:
       return "topology";
+    case Step::kProjection:
+      return "projection";
   }
   return "";
 }

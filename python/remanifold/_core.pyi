@@ -135,6 +135,23 @@ def quality(
     num_threads: int,
     progress: _Progress,
 ) -> dict[str, Any]: ...
+class SimplexSearch:
+    def __init__(
+        self,
+        vertices: NDArray[np.float64],
+        simplices: NDArray[np.int32],
+        num_threads: int,
+        progress: _Progress,
+    ) -> None: ...
+    def nearest(
+        self, queries: NDArray[np.float64], num_threads: int, progress: _Progress
+    ) -> tuple[
+        NDArray[np.float64],
+        NDArray[np.int64],
+        NDArray[np.float64],
+        NDArray[np.float64],
+    ]: ...
+
 def component_labels(
     simplices: NDArray[np.int32], num_vertices: int
 ) -> NDArray[np.int32]: ...

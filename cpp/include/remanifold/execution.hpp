@@ -18,6 +18,7 @@ enum class Step : int {
   kLocalRegions,
   kComplex,
   kTopology,
+  kProjection,
 };
 
 /// Shared between a running step and its observer.

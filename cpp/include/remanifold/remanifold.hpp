@@ -14,6 +14,7 @@
 #include "remanifold/minimum_chain.hpp"
 #include "remanifold/neighborhoods.hpp"
 #include "remanifold/outliers.hpp"
+#include "remanifold/projection.hpp"
 #include "remanifold/reconstruct.hpp"
 #include "remanifold/samples.hpp"
 #include "remanifold/sampling_quality.hpp"
