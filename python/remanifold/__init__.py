@@ -20,6 +20,8 @@ except ImportError as error:
 from remanifold import datasets, io
 from remanifold.cleaning import Smoothing, find_outliers, smooth
 from remanifold.dimension import DimensionEstimate, estimate_dimension
+from remanifold.parts import Subcomplex
+from remanifold.projection import PointsOnComplex, Projection
 from remanifold.quality import Quality, Reason
 from remanifold.reconstruction import Reconstruction, Repair, reconstruct
 from remanifold.simplicial_complex import SimplicialComplex
@@ -54,6 +56,8 @@ __all__ = [
     "ManifoldWarning",
     "Neighborhoods",
     "Place",
+    "PointsOnComplex",
+    "Projection",
     "Quality",
     "Reason",
     "RecallWarning",
@@ -64,6 +68,7 @@ __all__ = [
     "Singularities",
     "Smoothing",
     "Stars",
+    "Subcomplex",
     "TangentSpaces",
     "Topology",
     "__version__",

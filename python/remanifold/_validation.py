@@ -223,6 +223,66 @@ def check_index_array(
     return np.ascontiguousarray(array, dtype=dtype)
 
 
+def check_values(
+    values: ArrayLike, name: str, size: int, ndim: int | None = None
+) -> NDArray[np.float64]:
+    """Finite numbers, one row each for so many things."""
+    array = np.ascontiguousarray(_as_float(_real(values, name), name))
+    most = 2 if ndim is None else ndim
+    if not 1 <= array.ndim <= most or len(array) != size:
+        shapes = f"({size},)" if most == 1 else f"({size},) or ({size}, C)"
+        msg = f"{name} has shape {array.shape}, expected {shapes}"
+        raise ValueError(msg)
+    _check_rows_finite(array, name)
+    return array
+
+
+def check_matrix(values: ArrayLike, name: str, columns: int) -> NDArray[np.float64]:
+    """Finite numbers, so many a row."""
+    array = np.ascontiguousarray(_as_float(_real(values, name), name))
+    if array.ndim != 2 or array.shape[1] != columns:
+        msg = f"{name} has shape {array.shape}, expected (Q, {columns})"
+        raise ValueError(msg)
+    _check_rows_finite(array, name)
+    return array
+
+
+def check_selection(values: ArrayLike, name: str, size: int) -> NDArray[np.int64]:
+    """Turn a mask, or indices that are no two alike, into indices."""
+    array = _as_array(values, name)
+    if array.dtype == np.bool_:
+        return np.flatnonzero(_check_mask(values, name, size))
+    indices: NDArray[np.int64] = check_index_array(values, name, np.int64)
+    outside = (indices < 0) | (indices >= size)
+    if outside.any():
+        place = int(outside.argmax())
+        msg = f"{name}[{place}] is {indices[place]}, expected 0 to {size - 1}"
+        raise ValueError(msg)
+    if len(np.unique(indices)) < len(indices):
+        order = np.argsort(indices, kind="stable")
+        same = indices[order][1:] == indices[order][:-1]
+        place = int(order[1:][same].min())
+        msg = f"{name}[{place}] is {indices[place]}, for the second time"
+        raise ValueError(msg)
+    return indices
+
+
+def _real(values: ArrayLike, name: str) -> NDArray[Any]:
+    array = _as_array(values, name)
+    if array.dtype.kind == "c":
+        msg = f"{name} must be real, got dtype {array.dtype}"
+        raise TypeError(msg)
+    return array
+
+
+def _check_rows_finite(array: NDArray[np.float64], name: str) -> None:
+    finite = np.isfinite(array)
+    if not finite.all():
+        place = np.argwhere(~finite)[0].tolist()
+        msg = f"{name}{place} is {array[tuple(place)]}, expected a finite number"
+        raise ValueError(msg)
+
+
 def check_simplices(simplices: ArrayLike) -> NDArray[np.int32]:
     """(M, K+1) with K >= 1, no row twice; columns in any order, sorted here."""
     return np.sort(check_cells(simplices, None, least_dim=1), axis=1)

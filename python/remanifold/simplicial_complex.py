@@ -5,17 +5,21 @@ from __future__ import annotations
 
 import functools
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from remanifold import _core
+from remanifold import _core, embedding, geodesics, projection
 from remanifold._read_only import ReadOnlyArrays
 from remanifold._validation import check_cells, check_int, check_points
 from remanifold.topology import Topology, topology_of
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
+
+    from remanifold._progress import Callback
+    from remanifold.parts import Subcomplex
+    from remanifold.projection import PointsOnComplex, Projection
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -137,3 +141,264 @@ class SimplicialComplex(ReadOnlyArrays):
     @functools.cached_property
     def _topology(self) -> Topology:
         return topology_of(np.sort(self.simplices, axis=1), self.num_vertices)
+
+    # ------------------------------------------------------------- using the complex
+
+    @functools.cached_property
+    def coordinates(self) -> NDArray[np.float64]:
+        """Positions of the vertices, (N, D); computed when first asked for.
+
+        Where only inner products or distances are known, an isometric embedding about
+        the centroid of the vertices (classical scaling), with as many columns as these
+        span: as exact as square roots of products are, about eight digits. It takes
+        O(N^3) time and O(N^2) memory.
+        """
+        if self.vertices is not None:
+            return self.vertices
+        return self._embedding.coordinates
+
+    @functools.cached_property
+    def _embedding(self) -> embedding.Embedding:
+        assert self._products is not None
+        found = embedding.embed(*self._products)
+        found.coordinates.flags.writeable = False
+        return found
+
+    def _search(self, num_threads: int, progress: Callback | None) -> Any:
+        """The spatial index, made when first asked for."""
+        index = vars(self).get("_search_index")
+        if index is None:
+            index = _core.SimplexSearch(
+                self.coordinates, self.simplices, num_threads, progress
+            )
+            vars(self)["_search_index"] = index
+        return index
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All but the spatial index, which is made again."""
+        state = dict(vars(self))
+        state.pop("_search_index", None)
+        return state
+
+    def project(
+        self,
+        points: ArrayLike | None = None,
+        *,
+        products: ArrayLike | None = None,
+        squared_norms: ArrayLike | None = None,
+        distances: ArrayLike | None = None,
+        num_threads: int | None = None,
+        progress: bool | Callback | None = None,
+    ) -> Projection:
+        """Nearest points of the complex, exact up to rounding.
+
+        Simplices whose distances agree up to rounding are equally near, and the first
+        of them is taken. The answer for one point does not depend on the others. The
+        first call builds a tree over the simplices, which later ones use again.
+
+        Parameters
+        ----------
+        points : array_like, shape (Q, D), optional
+            Points of the space.
+        products, squared_norms : array_like, shape (Q, N) and (Q,), optional
+            Instead of `points` where the complex comes from ``gram=``: inner products
+            of each point with each of the N vertices, and with itself.
+        distances : array_like, shape (Q, N), optional
+            Instead of `points` where it comes from ``distances=``: from each point to
+            each of the N vertices.
+        num_threads : int, optional
+            All cores by default. The result does not depend on it.
+        progress : bool or callable, optional
+            True for a bar, or a function of (step, done, total).
+
+        Returns
+        -------
+        Projection
+
+        Raises
+        ------
+        ValueError
+            Wrong shape, not finite, or a complex without simplices.
+        TypeError
+            Points given in another way than the vertices are known.
+
+        Examples
+        --------
+        >>> import remanifold as rm
+        >>> triangle = rm.SimplicialComplex([[0, 0, 0], [4, 0, 0], [0, 4, 0]], [[0, 1, 2]])
+        >>> found = triangle.project([[1, 1, 3], [9, -2, 0]])
+        >>> found.points.tolist(), found.distances.round(3).tolist()
+        ([[1.0, 1.0, 0.0], [4.0, 0.0, 0.0]], [3.0, 5.385])
+        """
+        return projection.project(
+            self,
+            points,
+            products=products,
+            squared_norms=squared_norms,
+            distances=distances,
+            num_threads=num_threads,
+            progress=progress,
+        )
+
+    def interpolate(
+        self,
+        values: ArrayLike,
+        points: ArrayLike | PointsOnComplex,
+        *,
+        num_threads: int | None = None,
+    ) -> NDArray[np.float64]:
+        """Values at points, linear on each simplex between those at the vertices.
+
+        Parameters
+        ----------
+        values : array_like, shape (N,) or (N, C)
+            One value, or C of them, for each vertex.
+        points : array_like, shape (Q, D), or PointsOnComplex
+            Points, whose projections are taken, or the result of `project` or `sample`.
+        num_threads : int, optional
+            All cores by default. The result does not depend on it.
+
+        Returns
+        -------
+        ndarray, shape (Q,) or (Q, C), float64
+
+        Examples
+        --------
+        >>> import remanifold as rm
+        >>> segment = rm.SimplicialComplex([[0, 0], [4, 0]], [[0, 1]])
+        >>> segment.interpolate([10, 20], [[1, 7], [9, 0]]).tolist()
+        [12.5, 20.0]
+        """
+        return projection.interpolate(self, values, points, num_threads=num_threads)
+
+    def sample(
+        self, num_points: int, rng: int | np.random.Generator | None = None
+    ) -> PointsOnComplex:
+        """Independent points of the complex, uniform by K-volume.
+
+        Parameters
+        ----------
+        num_points : int
+            How many.
+        rng : int or numpy.random.Generator, optional
+            A seed for the same points again, or a generator.
+
+        Returns
+        -------
+        PointsOnComplex
+            With the simplices the points lie in, and their barycentric coordinates,
+            which `interpolate` takes.
+
+        Raises
+        ------
+        ValueError
+            A complex of no volume.
+        """
+        return projection.sample(self, num_points, rng)
+
+    @functools.cached_property
+    def simplex_volumes(self) -> NDArray[np.float64]:
+        """K-volume of each simplex, (M,), never negative; computed when first asked for.
+
+        Lengths, areas, volumes; 1 for points, so that their volume is their number.
+        """
+        volumes = projection.simplex_volumes(self)
+        volumes.flags.writeable = False
+        return volumes
+
+    def volume(self) -> float:
+        """K-volume of the complex: the length of a curve, the area of a surface.
+
+        Returns
+        -------
+        float
+        """
+        return float(self.simplex_volumes.sum())
+
+    def geodesic_distances(
+        self, sources: ArrayLike, method: str = "auto"
+    ) -> NDArray[np.float64]:
+        """Lengths of the shortest paths along the complex from some vertices to all.
+
+        Parameters
+        ----------
+        sources : int or array_like of int, shape (S,)
+            Vertices to start at, each on its own.
+        method : {"auto", "graph", "heat", "exact"}
+            "graph": along the edges, exact on curves, too long elsewhere. "heat": the
+            heat method, near the truth where simplices are small; on surfaces in space
+            by potpourri3d, else by linear elements, for any K and D. "exact": along the
+            triangles, for surfaces in at most three coordinates, by pygeodesic. "auto":
+            "graph" on curves, "heat" else. All of them need
+            ``pip install remanifold[geodesic]``.
+
+        Returns
+        -------
+        ndarray, shape (S, N), float64
+            Infinite where no path leads.
+
+        Raises
+        ------
+        ValueError
+            A source that is no vertex, or in no simplex; a method for other complexes.
+        ImportError
+            A package is missing; says which.
+
+        References
+        ----------
+        K. Crane, C. Weischedel, M. Wardetzky, Geodesics in heat: a new approach to
+        computing distance based on heat flow, ACM Transactions on Graphics 32(5), 2013.
+
+        J. S. B. Mitchell, D. M. Mount, C. H. Papadimitriou, The discrete geodesic
+        problem, SIAM Journal on Computing 16(4), 1987.
+        """
+        return geodesics.geodesic_distances(self, sources, method)
+
+    def subset(self, simplices: ArrayLike) -> Subcomplex:
+        """Some of the simplices, with the vertices they use.
+
+        Parameters
+        ----------
+        simplices : array_like of bool, shape (M,), or of int
+            A mask, or rows of `simplices`, in any order, none twice.
+
+        Returns
+        -------
+        Subcomplex
+            Its `vertex_indices` lead back here.
+        """
+        from remanifold import parts  # they are complexes themselves
+
+        return parts.subset(self, simplices)
+
+    def components(self) -> list[Subcomplex]:
+        """Connected components, in the order of `component_labels`.
+
+        Returns
+        -------
+        list of Subcomplex
+        """
+        from remanifold import parts
+
+        return parts.components(self)
+
+    def boundary_complex(self) -> Subcomplex:
+        """The (K-1)-faces that lie in one simplex only.
+
+        Each has the orientation that its simplex induces, so that the boundary of an
+        oriented complex is oriented, but for the points that a curve ends in. A closed
+        complex has a boundary without simplices and vertices.
+
+        Returns
+        -------
+        Subcomplex
+            Of dimension K - 1.
+
+        Raises
+        ------
+        ValueError
+            A complex of dimension 0.
+        """
+        from remanifold import parts
+
+        return parts.boundary_complex(self)

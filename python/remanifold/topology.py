@@ -85,7 +85,7 @@ class Topology(ReadOnlyArrays):
         """Whether the Betti numbers follow from counts, without linear algebra."""
         return (
             self.num_simplices[-1] == 0
-            or self.dim == 1
+            or self.dim <= 1
             or (self.dim == 2 and self._closed_patches is not None)
         )
 
@@ -95,6 +95,8 @@ class Topology(ReadOnlyArrays):
         if len(self._simplices) == 0:
             return (0,) * (self.dim + 1), (0,) * (self.dim + 1)
         components, euler = self.components, self.euler_characteristic
+        if self.dim == 0:
+            return (components,), (components,)
         if self.dim == 1:
             graph = (components, components - euler)
             return graph, graph
@@ -151,6 +153,8 @@ def topology_of(
     progress: bool | Callback | None = None,
 ) -> Topology:
     """`compute_topology` of simplices that are known to be in order."""
+    if simplices.shape[1] == 1:
+        return _topology_of_points(simplices)
     with progress_callback(progress) as callback:
         counts = _core.topology(
             simplices, count, check_num_threads(num_threads), callback
@@ -180,6 +184,25 @@ def topology_of(
             if counts["pseudomanifold"]
             else None
         ),
+    )
+
+
+def _topology_of_points(simplices: NDArray[np.int32]) -> Topology:
+    """Of a boundary of curves: isolated points are a closed manifold of dimension 0."""
+    count = len(simplices)
+    return Topology(
+        dim=0,
+        num_simplices=(count,),
+        components=count,
+        euler_characteristic=count,
+        manifold=count > 0,
+        closed=True,
+        orientable=count > 0,
+        boundary_components=0,
+        coface_counts={},
+        singular_vertices=np.empty(0, dtype=np.int32),
+        _simplices=simplices,
+        _closed_patches=None,
     )
 
 
