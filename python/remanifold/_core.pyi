@@ -135,6 +135,7 @@ def quality(
     num_threads: int,
     progress: _Progress,
 ) -> dict[str, Any]: ...
+
 class SimplexSearch:
     def __init__(
         self,

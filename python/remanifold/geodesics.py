@@ -116,7 +116,7 @@ def _heat_in_space(part: SimplicialComplex) -> _Solver:
 
     def solve(source: int) -> NDArray[np.float64]:
         away = np.asarray(solver.compute_distance(source), dtype=np.float64)
-        return np.maximum(away - away[source], 0.0)
+        return _from_source(away, source)
 
     return solve
 
@@ -128,6 +128,12 @@ def _exact(part: SimplicialComplex) -> _Solver:
     except ImportError as error:
         msg = "exact distances need pygeodesic: pip install remanifold[geodesic]"
         raise ImportError(msg) from error
+    if not part.topology().manifold:  # pygeodesic crashes, or stops at such places
+        msg = (
+            'method="exact" is for manifolds, and this complex is none, see topology(); '
+            'use "heat" or "graph"'
+        )
+        raise ValueError(msg)
     algorithm = PyGeodesicAlgorithmExact(_positions(part), part.simplices)
 
     def solve(source: int) -> NDArray[np.float64]:
@@ -156,9 +162,16 @@ def _heat(part: SimplicialComplex) -> _Solver:
         cells.ravel(), np.repeat(volumes / arity, arity), minlength=count
     )
     time = float(np.mean(edge_lengths(part))) ** 2
-    flow = splu((diags(mass) + time * stiffness).tocsc())
-    # Up to a constant: the first vertex stays at zero.
-    potential = splu(stiffness[1:, 1:].tocsc()) if count > 1 else None
+    try:
+        flow = splu((diags(mass) + time * stiffness).tocsc())
+        # Up to a constant: the first vertex stays at zero.
+        potential = splu(stiffness[1:, 1:].tocsc()) if count > 1 else None
+    except RuntimeError as error:
+        msg = (
+            "the heat method has no solution: a vertex is in simplices without volume "
+            'only; use method="graph"'
+        )
+        raise ValueError(msg) from error
 
     def solve(source: int) -> NDArray[np.float64]:
         start = np.zeros(count)
@@ -174,9 +187,15 @@ def _heat(part: SimplicialComplex) -> _Solver:
         away = np.zeros(count)
         if potential is not None:
             away[1:] = potential.solve(divergence[1:])
-        return np.maximum(away - away[source], 0.0)
+        return _from_source(away, source)
 
     return solve
+
+
+def _from_source(potential: NDArray[np.float64], source: int) -> NDArray[np.float64]:
+    """Turn a potential into distances."""
+    distances: NDArray[np.float64] = np.maximum(potential - potential[source], 0.0)
+    return distances
 
 
 def _gradients(

@@ -21,7 +21,7 @@ class Subcomplex(SimplicialComplex):
 
     Attributes
     ----------
-    vertices, simplices
+    vertices, simplices : ndarray
         As in `SimplicialComplex`; there may be none.
     vertex_indices : ndarray, shape (N,), int32
         Number of each vertex in the complex that this is part of, ascending.

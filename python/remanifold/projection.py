@@ -54,7 +54,7 @@ class Projection(PointsOnComplex):
 
     Attributes
     ----------
-    points, simplices, barycentric
+    points, simplices, barycentric : ndarray
         As in `PointsOnComplex`.
     distances : ndarray, shape (Q,), float64
         From each given point to its nearest.

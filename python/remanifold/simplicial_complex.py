@@ -107,7 +107,12 @@ class SimplicialComplex(ReadOnlyArrays):
         return edges
 
     def component_labels(self) -> NDArray[np.int32]:
-        """Component of each vertex, in order of lowest vertex; -1 in no simplex."""
+        """Component of each vertex, in order of lowest vertex; -1 in no simplex.
+
+        Returns
+        -------
+        ndarray, shape (N,), int32
+        """
         return _core.component_labels(self.simplices, self.num_vertices)
 
     def topology(self, component: int | None = None) -> Topology:

@@ -102,7 +102,7 @@ class ManifoldReconstruction(OneToOneFeatureMixin, TransformerMixin, BaseEstimat
         self.tangent_estimator = tangent_estimator
         self.n_jobs = n_jobs
 
-    def fit(self, X: ArrayLike, y: object = None) -> ManifoldReconstruction:  # noqa: ARG002, N803
+    def fit(self, X: ArrayLike, y: object = None) -> ManifoldReconstruction:  # noqa: ARG002
         """Reconstruct the manifold.
 
         Parameters
@@ -161,13 +161,15 @@ class ManifoldReconstruction(OneToOneFeatureMixin, TransformerMixin, BaseEstimat
         for dim in range(max(found.dim, 1), 0, -1):
             with warnings.catch_warnings():
                 if dim > 1:  # the next one down may do
-                    warnings.filterwarnings("ignore", "no .* simplices", ManifoldWarning)
+                    warnings.filterwarnings(
+                        "ignore", "no .* simplices", ManifoldWarning
+                    )
                 result = self._fit(samples, dim)
             if len(result.simplices):
                 break
         return result
 
-    def transform(self, X: ArrayLike) -> NDArray[np.float64]:  # noqa: N803
+    def transform(self, X: ArrayLike) -> NDArray[np.float64]:
         """Nearest points of the manifold.
 
         Parameters
@@ -179,11 +181,12 @@ class ManifoldReconstruction(OneToOneFeatureMixin, TransformerMixin, BaseEstimat
         -------
         ndarray, shape (Q, D), float64
         """
-        projection = self._project(X)
-        assert projection.points is not None
-        return projection.points.copy()  # what comes next may write to it
+        points = self._project(X).points
+        assert points is not None
+        result: NDArray[np.float64] = points.copy()  # what comes next may write to it
+        return result
 
-    def score_samples(self, X: ArrayLike) -> NDArray[np.float64]:  # noqa: N803
+    def score_samples(self, X: ArrayLike) -> NDArray[np.float64]:
         """Minus the squared distance from the manifold: the higher, the nearer.
 
         No log-likelihood: that would take a variance of the noise, which samples that
@@ -201,7 +204,7 @@ class ManifoldReconstruction(OneToOneFeatureMixin, TransformerMixin, BaseEstimat
         """
         return -np.square(self._project(X).distances)
 
-    def score(self, X: ArrayLike, y: object = None) -> float:  # noqa: ARG002, N803
+    def score(self, X: ArrayLike, y: object = None) -> float:  # noqa: ARG002
         """Mean of `score_samples`: minus the mean squared error of `transform`.
 
         Parameters
@@ -216,7 +219,7 @@ class ManifoldReconstruction(OneToOneFeatureMixin, TransformerMixin, BaseEstimat
         """
         return float(self.score_samples(X).mean())
 
-    def _project(self, X: ArrayLike) -> Projection:  # noqa: N803
+    def _project(self, X: ArrayLike) -> Projection:
         check_is_fitted(self)
         points = validate_data(self, X, dtype=np.float64, order="C", reset=False)
         return self.reconstruction_.project(

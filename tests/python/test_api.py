@@ -19,6 +19,7 @@ from scipy.spatial.distance import cdist
 
 import remanifold as rm
 from remanifold.reconstruction import METHODS
+from remanifold.sklearn import ManifoldReconstruction
 
 SEARCHES = ("auto", "kdtree", "brute_force")
 PAPER_ONLY = ("edge_sets", "stars", "unbounded", "tangent_simplices", "edge_rule")
@@ -276,7 +277,8 @@ def test_attributes_cannot_be_replaced(method):
 
 
 def test_every_attribute_is_documented():
-    for kind in (rm.Reconstruction, rm.Topology, rm.Repair):
+    kinds = (rm.Reconstruction, rm.Topology, rm.Repair)
+    for kind in (*kinds, rm.PointsOnComplex, rm.Projection, rm.Subcomplex):
         section = inspect.getdoc(kind).partition("Attributes\n----------\n")[2]
         names = re.findall(r"^(\w[\w, ]*) :", section, flags=re.MULTILINE)
         documented = {name.strip() for group in names for name in group.split(",")}
@@ -749,6 +751,7 @@ def test_import_is_light():
     loaded = done.stdout.split()
     assert "remanifold.steps" in loaded
     heavy = {"typer", "click", "rich", "meshio", "gudhi", "matplotlib", "scipy"}
+    heavy |= {"sklearn", "potpourri3d", "pygeodesic"}
     assert not heavy.intersection(loaded)
 
 
@@ -781,16 +784,25 @@ def public_functions():
                 yield pytest.param(value, id=f"{module.__name__}.{name}")
 
 
-@pytest.mark.parametrize("function", [*public_functions()])
+def public_methods():
+    for kind in (rm.SimplicialComplex, ManifoldReconstruction):
+        for name, value in vars(kind).items():
+            if not name.startswith("_") and inspect.isfunction(value):
+                yield pytest.param(value, id=f"{kind.__name__}.{name}")
+
+
+@pytest.mark.parametrize("function", [*public_functions(), *public_methods()])
 def test_functions_are_documented(function):
     text = inspect.getdoc(function)
     parts = re.split(r"^(\w[\w ]*)\n-+\n", text, flags=re.MULTILINE)
     summary, sections = parts[0], dict(zip(parts[1::2], parts[2::2], strict=True))
     assert summary.splitlines()[0].endswith(".")
     signature = inspect.signature(function)
-    entries = re.findall(r"^(\w[\w, *]*)(?: :|$)", sections["Parameters"], re.MULTILINE)
+    parameters = sorted(set(signature.parameters) - {"self"})
+    section = sections["Parameters"] if parameters else ""
+    entries = re.findall(r"^(\w[\w, *]*)(?: :|$)", section, re.MULTILINE)
     documented = [name.strip(" *") for entry in entries for name in entry.split(",")]
-    assert sorted(documented) == sorted(signature.parameters)
+    assert sorted(documented) == parameters
     if signature.return_annotation not in (None, "None"):
         assert sections["Returns"].strip()
 
@@ -801,7 +813,7 @@ def test_examples_in_docstrings(name):
     assert result.failed == 0
     with_examples = (
         *("remanifold", "cleaning", "datasets", "dimension", "io", "reconstruction"),
-        *("simplicial_complex", "singularities", "steps"),
+        *("simplicial_complex", "singularities", "sklearn", "steps"),
     )
     assert (result.attempted > 0) == (name.rpartition(".")[2] in with_examples)
 

@@ -68,7 +68,9 @@ def test_components_in_order_of_their_labels():
     labels = rec.component_labels()
     assert len(parts) == 2
     for label, part in enumerate(parts):
-        np.testing.assert_array_equal(part.vertex_indices, np.flatnonzero(labels == label))
+        np.testing.assert_array_equal(
+            part.vertex_indices, np.flatnonzero(labels == label)
+        )
         assert part.topology().betti_numbers == (1, 2, 1)
     assert sum(len(part.simplices) for part in parts) == len(rec.simplices)
     assert TETRAHEDRON.subset([]).components() == []
