@@ -2,11 +2,11 @@
 // The nearest point of a simplicial complex, exactly, for any K and D.
 //
 // A binary tree over the simplices is searched by branch and bound. Its nodes bound from
-// below by boxes, in all coordinates where these are few, else in the first principal
-// ones together with what is left out of them, and by balls then. The nearest point of a
-// simplex is the minimum of a quadratic over its barycentric coordinates, by Wolfe's
-// active sets (Finding the nearest point in a polytope, Mathematical Programming 11,
-// 1976) on an orthonormal reduction to K coordinates.
+// below by boxes, in all coordinates where these are few, else in eight of an orthonormal
+// frame together with the length of what these leave out, and by balls then. The nearest
+// point of a simplex is the minimum of a quadratic over its barycentric coordinates, by
+// Wolfe's active sets (Finding the nearest point in a polytope, Mathematical Programming
+// 11, 1976) in an orthonormal frame of the simplex.
 //
 // Simplices nearer than rounding to the nearest are equally near, and the lowest number
 // wins: a query has one answer, whatever is asked beside it and by however many threads.
@@ -48,8 +48,8 @@ class SimplexSearch {
   Projections nearest(MatrixView queries, const Execution& execution = {}) const;
 
  private:
-  class Tree;
-  std::unique_ptr<const Tree> tree_;
+  class Search;
+  std::unique_ptr<const Search> search_;
 };
 
 }  // namespace remanifold

@@ -12,6 +12,22 @@
 
 namespace remanifold::detail {
 
+/// In four sums, which the compiler may not make of one.
+inline double dot(const double* a, const double* b, int size) {
+  double s0 = 0, s1 = 0, s2 = 0, s3 = 0;
+  int i = 0;
+  for (; i + 4 <= size; i += 4) {
+    s0 += a[i] * b[i];
+    s1 += a[i + 1] * b[i + 1];
+    s2 += a[i + 2] * b[i + 2];
+    s3 += a[i + 3] * b[i + 3];
+  }
+  for (; i < size; ++i) {
+    s0 += a[i] * b[i];
+  }
+  return (s0 + s1) + (s2 + s3);
+}
+
 /// \tparam K  dimension of the simplices; negative where it is known at run time only
 template <int K>
 class NearestInSimplex {
@@ -262,19 +278,12 @@ class NearestInSimplex {
   }
 
   static double squared_norm(const double* vector, int size) {
-    double sum = 0;
-    for (int a = 0; a < size; ++a) {
-      sum += vector[a] * vector[a];
-    }
-    return sum;
+    return dot(vector, vector, size);
   }
 
   /// Takes the component along a unit vector away, and returns it.
   static double remove(const double* axis, double* vector, int size) {
-    double product = 0;
-    for (int a = 0; a < size; ++a) {
-      product += axis[a] * vector[a];
-    }
+    const double product = dot(axis, vector, size);
     for (int a = 0; a < size; ++a) {
       vector[a] -= product * axis[a];
     }
