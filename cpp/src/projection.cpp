@@ -57,7 +57,6 @@ struct Query {
   struct Pending {
     Offset node;
     double bound;  // squared
-    double order;  // the lower, the sooner
   };
   std::vector<double> point;  // scaled
   std::vector<double> reduced;
@@ -133,19 +132,19 @@ Query::Pending SimplexSearch::Search::consider(const Query& query,
   const double box = tree_.lower_bound(query.reduced.data(), query.left, number);
   const double limit = query.best + query.slack;
   if (tree_.has_all_axes() || box > limit * limit) {
-    return {number, box, box};
+    return {number, box};
   }
   const detail::SimplexTree::Node& node = tree_.node(number);
   const double away = std::sqrt(detail::squared_distance(
       query.point.data(), tree_.point(node.center), tree_.ambient_dim()));
   const double ball = std::max(0.0, away - node.radius);
-  return {number, std::max(box, ball * ball), std::max(box, ball * ball)};
+  return {number, std::max(box, ball * ball)};
 }
 
 template <class Solver>
 void SimplexSearch::Search::search(Query& query, Solver& solver) const {
   query.stack.clear();
-  query.stack.push_back({0, 0.0, 0.0});
+  query.stack.push_back({0, 0.0});
   while (!query.stack.empty()) {
     const Query::Pending next = query.stack.back();
     query.stack.pop_back();
@@ -162,7 +161,7 @@ void SimplexSearch::Search::search(Query& query, Solver& solver) const {
     }
     Query::Pending near = consider(query, next.node + 1);
     Query::Pending far = consider(query, node.right);
-    if (far.order < near.order) {
+    if (far.bound < near.bound) {
       std::swap(near, far);
     }
     query.stack.push_back(far);

@@ -206,8 +206,8 @@ void SimplexTree::split_all(const Execution& execution) {
   }
 }
 
-/// Keys of the simplices: their centers (times K + 1) along the axis of most extent. Axes
-/// chosen node by node would oscillate along the manifold and make nodes of many pieces.
+/// Keys of the simplices: their centers (times K + 1) along the axis of most extent, in the
+/// frame of the boxes, so that these become small.
 void SimplexTree::project_on_widest_axis(Offset begin, Offset end,
                                          std::vector<double>& keys) const {
   const auto center = [&](Offset s, int a) {
