@@ -16,7 +16,7 @@ from remanifold._validation import (
     check_points,
     check_values,
 )
-from remanifold.embedding import place_by_distances, place_by_products
+from remanifold.scaling import place_by_distances, place_by_products
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from remanifold import _core, embedding, geodesics, projection
+from remanifold import _core, geodesics, projection, scaling
 from remanifold._read_only import ReadOnlyArrays
 from remanifold._validation import check_cells, check_int, check_points
 from remanifold.topology import Topology, topology_of
@@ -163,9 +163,9 @@ class SimplicialComplex(ReadOnlyArrays):
         return self._embedding.coordinates
 
     @functools.cached_property
-    def _embedding(self) -> embedding.Embedding:
+    def _embedding(self) -> scaling.Embedding:
         assert self._products is not None
-        found = embedding.embed(*self._products)
+        found = scaling.embed(*self._products)
         found.coordinates.flags.writeable = False
         return found
 

@@ -303,7 +303,7 @@ def test_bad_products_are_refused():
 
 
 def test_coinciding_samples_have_coordinates():
-    from remanifold.embedding import embed
+    from remanifold.scaling import embed
 
     assert (embed("gram", np.ones((4, 4))).coordinates == 0).all()
 
