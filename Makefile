@@ -52,7 +52,7 @@ test-consumers: $(PACKAGE)
 	tests/consumers/run.sh $(BUILD)
 
 test-python: $(PACKAGE)
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n $(JOBS) --maxprocesses 4
 
 # Beside its peers. make bench ARGS="--shape torus --samples 10000,100000 --json FILE"
 bench:
