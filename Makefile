@@ -92,7 +92,7 @@ bench-steps: $(PACKAGE)
 	$(BUILD)/benchmarks/remanifold_bench $(ARGS)
 
 wheel: $(ENVIRONMENT) | system-packages
-	.ci/wheel.sh $(BIN) $(BUILD_SETTINGS)
+	.ci/wheel.sh $(BIN)
 
 lint: $(ENVIRONMENT) $(LINTERS)
 	.ci/lint.sh $(BIN)
