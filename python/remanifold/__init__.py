@@ -39,6 +39,7 @@ from remanifold.steps import (
 from remanifold.topology import Topology, compute_topology
 from remanifold.warnings import (
     DimensionWarning,
+    FileWarning,
     ManifoldWarning,
     RecallWarning,
     RemanifoldWarning,
@@ -50,6 +51,7 @@ __all__ = [
     "DimensionEstimate",
     "DimensionWarning",
     "EdgeSets",
+    "FileWarning",
     "LocalRegions",
     "ManifoldWarning",
     "Neighborhoods",

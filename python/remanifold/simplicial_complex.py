@@ -12,10 +12,15 @@ import numpy as np
 from remanifold import _core
 from remanifold._read_only import ReadOnlyArrays
 from remanifold._validation import check_cells, check_int, check_points
+from remanifold.io import write_complex
 from remanifold.topology import Topology, topology_of
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from collections.abc import Mapping
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from remanifold.io._source import StrPath
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -101,6 +106,34 @@ class SimplicialComplex(ReadOnlyArrays):
         edges = _core.edges(self.simplices, self.num_vertices)
         edges.flags.writeable = False
         return edges
+
+    def write(
+        self,
+        path: StrPath,
+        fields: Mapping[str, ArrayLike] | None = None,
+        *,
+        format: str | None = None,
+    ) -> None:
+        """Write the complex to a file; its suffix names the format.
+
+        Parameters
+        ----------
+        path : str or path-like
+            The file: ``.ply``, ``.obj``, ``.off``, ``.stl``, ``.vtk``, ``.vtu``,
+            ``.glb``, ``.gltf``, or ``.npz`` for any K and D. See `io.write_mesh`.
+        fields : mapping of str to array_like, optional
+            Values at the vertices, of shape (N,) or (N, C): numbers or bool.
+        format : str, optional
+            The format by its suffix, such as "ply", whatever the name of the file.
+
+        Raises
+        ------
+        ValueError
+            If the format cannot hold the complex.
+        OSError
+            If the file cannot be written. Nothing is left behind.
+        """
+        write_complex(path, self, fields, format=format)
 
     def component_labels(self) -> NDArray[np.int32]:
         """Component of each vertex, in order of lowest vertex; -1 in no simplex."""
