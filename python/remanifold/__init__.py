@@ -20,6 +20,7 @@ except ImportError as error:
 from remanifold import datasets, io
 from remanifold.cleaning import Smoothing, find_outliers, smooth
 from remanifold.dimension import DimensionEstimate, estimate_dimension
+from remanifold.graphs import edge_graph
 from remanifold.quality import Quality, Reason
 from remanifold.reconstruction import Reconstruction, Repair, reconstruct
 from remanifold.simplicial_complex import SimplicialComplex
@@ -72,6 +73,7 @@ __all__ = [
     "clique_complex",
     "compute_topology",
     "datasets",
+    "edge_graph",
     "edge_sets",
     "estimate_dimension",
     "find_outliers",
