@@ -432,6 +432,9 @@ def test_version_and_help():
             "jet, or enclosure for paper",
             "mutual",
             "auto",
+            "auto",
+            "by the suffix",
+            "by the suffix",
             "all cores",
         ),
     ]

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import warnings
 from pathlib import Path
@@ -20,23 +19,38 @@ from remanifold._validation import (
     check_smooth,
 )
 from remanifold.cli._common import (
+    MAX_SIMPLICES_FOR_ALGEBRA,
+    FormatOption,
+    JsonOption,
+    OutputFormatOption,
+    ThreadsOption,
     choice,
+    examples,
     failures,
     messages_console,
-    print_table,
+    print_report,
+    refuse_same_file,
     rows_table,
     say,
     simplex_names,
+    split_formats,
     timed,
 )
 from remanifold.cli.dimension import dim_report
 from remanifold.dimension import LOW_CONFIDENCE, low_confidence
 from remanifold.io import check_output, read_points, write_mesh
+from remanifold.io._source import is_standard
+from remanifold.io.writing import holds_fields
 from remanifold.reconstruction import METHODS
 from remanifold.steps import EDGE_RULES, ESTIMATORS, SEARCHES
 
-# More would take longer than the reconstruction.
-MAX_SIMPLICES_FOR_ALGEBRA = 200_000
+EPILOG = examples(
+    "remanifold reconstruct scan.ply --dim 2 -o mesh.ply",
+    "remanifold reconstruct curve.csv -k 1 -o curve.vtu --json",
+    "remanifold reconstruct scan.laz -k auto -o mesh.npz --smooth auto",
+    "cat points.txt | remanifold reconstruct - --format txt -k 2 -o mesh.obj",
+    "remanifold reconstruct scan.ply -k 2 -o - --format off > mesh.off",
+)
 BOUNDARIES: dict[str, str | bool] = {"auto": "auto", "closed": False}
 
 
@@ -75,8 +89,8 @@ def reconstruct(
         Path,
         typer.Argument(
             metavar="INPUT",
-            help="Samples: .npy, .npz, .csv, .txt, .xyz, .ply, .obj, .off, .stl, .vtk "
-            "or .vtu.",
+            help="Samples: .npy, .npz, .csv, .txt, .xyz, .ply, .obj, .off, .stl, "
+            ".vtk, .vtu, .las or .laz; - is standard input.",
         ),
     ],
     dim: Annotated[
@@ -94,8 +108,9 @@ def reconstruct(
         typer.Option(
             "--output",
             "-o",
-            help="Mesh to write: .ply, .obj, .off, .stl, .vtk, .vtu, or .npz for any "
-            "dimension.",
+            help="Mesh to write: .ply, .obj, .off, .stl, .vtk, .vtu, .glb, .gltf, or "
+            ".npz for any dimension; - is standard output, and then the report goes to "
+            "standard error.",
         ),
     ],
     method: Annotated[
@@ -168,12 +183,18 @@ def reconstruct(
     search: Annotated[
         str, choice(SEARCHES, "Search for the nearest neighbors.")
     ] = "auto",
-    threads: Annotated[
-        int | None, typer.Option(min=1, show_default="all cores", help="Threads.")
-    ] = None,
-    as_json: Annotated[
-        bool, typer.Option("--json", help="Report as a JSON object.")
-    ] = False,
+    fields: Annotated[
+        str,
+        choice(
+            ("auto", "none"),
+            "Write what is known of each sample (boundary, spacing, ...) where the "
+            "format holds it, or nothing.",
+        ),
+    ] = "auto",
+    format: FormatOption = None,
+    output_format: OutputFormatOption = None,
+    threads: ThreadsOption = None,
+    as_json: JsonOption = False,
     quiet: Annotated[
         bool, typer.Option("--quiet", "-q", help="No progress, table or warnings.")
     ] = False,
@@ -184,9 +205,12 @@ def reconstruct(
     seconds: dict[str, float] = {}
     with failures(messages):
         _check_method(method, boundary, hole_radius, edges)
+        format, output_format = split_formats(source, output, format, output_format)
         # Every mesh format holds triangles.
-        _check_usage(source, output, 2 if dim == "auto" else dim, num_neighbors, "no")
-        points, seconds["read"] = timed(lambda: read_points(source))
+        first = 2 if dim == "auto" else dim
+        _check_usage(output, output_format, first, num_neighbors, "no")
+        refuse_same_file(source, output)
+        points, seconds["read"] = timed(lambda: read_points(source, format=format))
         show_progress = messages.is_terminal and not quiet
         if dim == "auto":
             found, seconds["dimension"] = timed(
@@ -197,7 +221,8 @@ def reconstruct(
             dim = found.dim
             if found.confidence >= LOW_CONFIDENCE and not quiet:
                 say(messages, found.verdict, "none")
-        _check_usage(source, output, dim, num_neighbors, smooth, points.shape[1])
+        ambient = points.shape[1]
+        _check_usage(output, output_format, dim, num_neighbors, smooth, ambient)
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", rm.RemanifoldWarning)
             rec = rm.reconstruct(
@@ -217,7 +242,16 @@ def reconstruct(
             )
         report = _report(rec)
         vertices: Any = rec.samples if keep_positions else rec.vertices
-        _, seconds_written = timed(lambda: write_mesh(output, vertices, rec.simplices))
+        kept = fields == "auto" and holds_fields(output, output_format)
+        _, seconds_written = timed(
+            lambda: write_mesh(
+                output,
+                vertices,
+                rec.simplices,
+                fields=rec.fields() if kept else None,
+                format=output_format,
+            )
+        )
 
     seconds = {**seconds, **report["seconds"], "write": seconds_written}
     complaints = [str(warning.message) for warning in caught]
@@ -239,10 +273,9 @@ def reconstruct(
     if not quiet:
         for text in complaints:
             say(messages, f"warning: {text}", "yellow")
-    if as_json:
-        typer.echo(json.dumps(report, indent=2))
-    elif not quiet:
-        print_table(_table(report))
+    if as_json or not quiet:
+        taken = is_standard(output)
+        print_report(report, _table, as_json=as_json, stderr=taken)
 
 
 def _check_method(
@@ -266,8 +299,8 @@ def _check_method(
 
 
 def _check_usage(
-    source: Path,
     output: Path,
+    output_format: str | None,
     dim: int,
     num_neighbors: int | None,
     smooth: str | int,
@@ -284,12 +317,9 @@ def _check_usage(
     except ValueError as error:
         raise typer.BadParameter(str(error), param_hint="'--num-neighbors'") from None
     try:
-        check_output(output, dim, ambient_dim)
+        check_output(output, dim, ambient_dim, format=output_format)
     except ValueError as error:
         raise typer.BadParameter(str(error), param_hint="'--output'") from None
-    if source.exists() and output.exists() and source.samefile(output):
-        msg = f"{output}: is the input, which would be lost"
-        raise typer.BadParameter(msg, param_hint="'--output'")
 
 
 def _report(rec: rm.Reconstruction) -> dict[str, Any]:
