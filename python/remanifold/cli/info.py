@@ -76,7 +76,7 @@ def info(
         report["warnings"] = [str(warning.message) for warning in caught]
         for text in report["warnings"]:
             say(messages, f"warning: {text}", "yellow")
-    print_report(report, _table, as_json=as_json)
+    print_report(report, lambda told: _table(told, str(file)), as_json=as_json)
 
 
 def _points(points: NDArray[np.float64], threads: int | None) -> dict[str, Any]:
@@ -149,9 +149,9 @@ def _complex(file: Source, mesh: FileMesh, dim: int | None) -> dict[str, Any]:
     return report
 
 
-def _table(report: dict[str, Any]) -> Table:
+def _table(report: dict[str, Any], name: str) -> Table:
     rows = {
-        "file": f"{report['input']}, {report['format']}",
+        "file": f"{name}, {report['format']}",
         "points": f"{report['num_points']:,} in R^{report['ambient_dim']}",
     }
     if report["not_finite"]:
