@@ -16,6 +16,9 @@ import trimesh
 
 import remanifold as rm
 from remanifold.io import (
+    _mesh,
+    _source,
+    _stl,
     read_complex,
     read_fields,
     read_points,
@@ -416,6 +419,31 @@ def test_polydata_of_version_5_with_cell_data(tmp_path):
     assert {*fields} == {"height", "n"}
     assert fields["height"].tolist() == [1, 2, 3, 4]
     assert fields["n"].shape == (4, 3)
+
+
+def test_text_stl_is_read_in_parts_and_line_by_line_alike(tmp_path, monkeypatch):
+    points = RNG.normal(size=(60, 3))
+    triangles = np.sort(RNG.permuted(np.tile(np.arange(60), (40, 1)), axis=1)[:, :3])
+    write_mesh(tmp_path / "a.stl", points, triangles)
+    source = _source.Source(tmp_path / "a.stl", ".stl")
+    expected = points[triangles].reshape(-1, 3)
+    np.testing.assert_array_equal(_stl._regular(source), expected)
+    for size in (300, 1000, 5000):
+        monkeypatch.setattr(_stl, "_PART", size)
+        np.testing.assert_array_equal(_stl._regular(source), expected)
+    text = source.data.replace(b"endfacet\n", b"endfacet\nattribute 1\n", 1)
+    unusual = _source.Source(put(tmp_path / "b.stl", text), ".stl")
+    assert _stl._regular(unusual) is None
+    np.testing.assert_array_equal(_stl._ascii(unusual), expected)
+
+
+def test_first_of_equal_rows():
+    rows = RNG.integers(0, 3, (200, 3))
+    first, places = _mesh.first_of_equal_rows(rows)
+    np.testing.assert_array_equal(rows[first][places], rows)
+    assert (np.diff(first) > 0).all()
+    assert len(first) == len({tuple(row) for row in rows.tolist()})
+    assert all((rows[:i] != rows[i]).any(axis=1).all() for i in first.tolist())
 
 
 # ------------------------------------------------------------------ points alone

@@ -183,10 +183,26 @@ def _are_faces(cells: IntArray, simplices: IntArray) -> NDArray[np.bool_]:
     columns = itertools.combinations(range(simplices.shape[1]), width)
     rows = np.sort(simplices, axis=1)
     faces = np.vstack([rows[:, list(chosen)] for chosen in columns])
-    both = np.vstack([np.sort(cells, axis=1), faces])
-    _, number = np.unique(both, axis=0, return_inverse=True)
-    number = np.ravel(number)
+    _, number = first_of_equal_rows(np.vstack([np.sort(cells, axis=1), faces]))
     return np.isin(number[: len(cells)], number[len(cells) :])
+
+
+def first_of_equal_rows(rows: NDArray[Any]) -> tuple[IntArray, IntArray]:
+    """First of each set of equal rows, ascending, and for each row its place there.
+
+    Several times as fast as numpy.unique with an axis.
+    """
+    order = np.lexsort(rows.T)
+    ordered = rows[order]
+    new = np.ones(len(rows), dtype=np.bool_)
+    new[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
+    first = order[new]  # the sort is stable
+    ascending = np.argsort(first)
+    rank = np.empty(len(first), dtype=np.int64)
+    rank[ascending] = np.arange(len(first))
+    places = np.empty(len(rows), dtype=np.int64)
+    places[order] = rank[np.cumsum(new) - 1]
+    return first[ascending], places
 
 
 def without_degenerate(source: Source, simplices: IntArray) -> IntArray:
@@ -195,8 +211,7 @@ def without_degenerate(source: Source, simplices: IntArray) -> IntArray:
     degenerate = (rows[:, 1:] == rows[:, :-1]).any(axis=1)
     kept = np.flatnonzero(~degenerate)
     if len(kept):
-        _, first = np.unique(rows[kept], axis=0, return_index=True)
-        kept = kept[np.sort(first)]
+        kept = kept[first_of_equal_rows(rows[kept])[0]]
     lost = len(simplices) - len(kept)
     if lost:
         name = simplex_name(simplices.shape[1] - 1)

@@ -63,7 +63,9 @@ def _corners(
     source: Source, line: int, fields: list[str], num_points: int, least: int
 ) -> list[int]:
     """Vertices of a face: from 1, or from -1 backwards; what follows / is skipped."""
-    found = source.indices(line, [field.partition("/")[0] for field in fields])
+    if any("/" in field for field in fields):
+        fields = [field.partition("/")[0] for field in fields]
+    found = source.indices(line, fields)
     if len(found) < least:
         source.fail(f"expected {least} vertices or more, found {len(found)}", line=line)
     if 0 in found:

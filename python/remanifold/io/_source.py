@@ -19,6 +19,7 @@ FloatArray: TypeAlias = NDArray[np.float64]
 IntArray: TypeAlias = NDArray[np.int64]
 StrPath: TypeAlias = str | os.PathLike[str]
 
+_LARGEST = 2**62  # of an index, so that what is computed of it fits as well
 STANDARD = "-"  # standard input or output
 
 
@@ -111,7 +112,7 @@ class Source:
             values = [int(field) for field in fields]
         except ValueError:
             values = []
-        if len(values) < len(fields) or any(abs(v) > 2**62 for v in values):
+        if len(values) < len(fields) or max(map(abs, values), default=0) > _LARGEST:
             found = " ".join(fields)
             self.fail(f"expected indices, found {found[:60]!r}", line=line)
         return values
