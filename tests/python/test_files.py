@@ -515,6 +515,27 @@ def test_las(tmp_path, suffix):
         read_complex(path)
 
 
+@pytest.mark.parametrize(
+    ("suffix", "place", "value", "message"),
+    [
+        (".las", 100, 2**32 - 1, "its header does not fit the file"),  # records
+        (".las", 96, 2**31, "its header does not fit the file"),  # start of the points
+        (".las", 107, 2**31, "expected 2147483648 points, found 3"),
+        (".laz", None, 2**31, "it has no room for 2147483648 chunks"),
+    ],
+)
+def test_damaged_las_headers_ask_for_no_memory(tmp_path, suffix, place, value, message):
+    """laspy and lazrs would make room for what the header promises, or loop."""
+    path = las_file(tmp_path / f"a{suffix}", OFFSETS + np.eye(3))
+    data = bytearray(path.read_bytes())
+    if place is None:
+        (start,) = struct.unpack_from("<I", data, 96)
+        place = struct.unpack_from("<q", data, start)[0] + 4
+    struct.pack_into("<I", data, place, value)
+    with pytest.raises(ValueError, match=message):
+        read_points(put(path, bytes(data)))
+
+
 def test_las_without_laspy(tmp_path, monkeypatch):
     path = las_file(tmp_path / "a.las", OFFSETS + np.eye(3))
     monkeypatch.setitem(sys.modules, "laspy", None)
