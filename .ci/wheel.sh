@@ -31,12 +31,14 @@ import ensurepip, pathlib, sysconfig
 
   "$python" -m venv $work/venv-$minor
   wheel=$(echo dist/remanifold-*-cp3$minor-*.whl)
-  $work/venv-$minor/bin/python -m pip install "$wheel[test]"
+  $work/venv-$minor/bin/python -m pip install "$wheel[gallery,test]"
   $work/venv-$minor/bin/remanifold --help >/dev/null
   # Away from the sources, so that nothing but the wheel can be imported.
   mkdir -p $work/tests-$minor/tests
-  cp -r tests/python $work/tests-$minor/tests/
-  cp -r benchmarks docs pyproject.toml README.md $work/tests-$minor/
+  cp -r tests/python tests/consumers $work/tests-$minor/tests/
+  mkdir $work/tests-$minor/cpp
+  cp -r cpp/include $work/tests-$minor/cpp/ # which a page shows
+  cp -r benchmarks docs pyproject.toml CITATION.cff README.md $work/tests-$minor/
   (cd $work/tests-$minor && ../venv-$minor/bin/python -m pytest -n "$(nproc)" \
     --maxprocesses 4)
   built=$((built + 1))

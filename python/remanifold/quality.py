@@ -46,7 +46,7 @@ class Quality(ReadOnlyArrays):
         neighbors. NaN where there are too few.
     reach : ndarray, shape (N,), float64
         Least distance to the medial axis by Federer's formula, 1 / reach = max over q of
-        2 d(q - x, T_x) / |q - x|^2, over the same neighbors: curvature bounds it, and so
+        ``2 d(q - x, T_x) / |q - x|^2``, over the same neighbors: curvature bounds it, and so
         do sheets nearby. Infinite where the neighborhood is flat, NaN without a tangent
         space. Where the sampling is sparse it is an upper bound at best.
     sampling_ratio : ndarray, shape (N,), float64
