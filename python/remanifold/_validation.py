@@ -429,3 +429,12 @@ def _check_hermitian(matrix: NDArray[Any], name: str) -> None:
             f"{expected}"
         )
         raise ValueError(msg)
+
+
+def check_complex(value: Any, name: str = "complex") -> None:
+    """Refuse what is no complex in space."""
+    from remanifold.simplicial_complex import SimplicialComplex
+
+    if not isinstance(value, SimplicialComplex):
+        msg = f"{name} must be a SimplicialComplex, got {type(value).__name__}"
+        raise TypeError(msg)

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from remanifold._validation import check_complex
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -48,6 +50,7 @@ def edge_graph(complex: SimplicialComplex) -> Any:
     except ImportError as error:
         msg = "the graph of the edges needs SciPy: pip install remanifold[graph]"
         raise ImportError(msg) from error
+    check_complex(complex)
     i, j = complex.edges.T
     lengths = edge_lengths(complex)
     rows, columns = np.concatenate([i, j]), np.concatenate([j, i])

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from remanifold._validation import check_complex
 from remanifold.graphs import edge_lengths
 from remanifold.io._mesh import simplex_name
 from remanifold.io.writing import check_fields
@@ -55,6 +56,7 @@ def to_gudhi(complex: SimplicialComplex, filtration: ArrayLike | None = None) ->
     """
     from gudhi import SimplexTree
 
+    check_complex(complex)
     simplices = complex.simplices
     values = np.zeros(len(simplices))
     tree = SimplexTree()
@@ -245,6 +247,7 @@ def to_networkx(complex: SimplicialComplex) -> Any:
     ImportError
         NetworkX is not installed.
     """
+    check_complex(complex)
     networkx = _needed("networkx", "graph")
     graph = networkx.Graph()
     if complex.vertices is None:
@@ -271,6 +274,7 @@ def _needed(module: str, extra: str) -> Any:
 
 
 def _coordinates(complex: SimplicialComplex) -> NDArray[np.float64]:
+    check_complex(complex)
     if complex.vertices is None:
         msg = "complex has no coordinates, only inner products or distances"
         raise ValueError(msg)

@@ -151,6 +151,28 @@ def test_without_coordinates_there_is_nothing_to_write(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: write_complex("a.ply", [[0, 1, 2]]),
+        lambda: rm.edge_graph([[0, 1, 2]]),
+        lambda: rm.interoperability.to_gudhi([[0, 1, 2]]),
+        lambda: rm.interoperability.to_trimesh([[0, 1, 2]]),
+        lambda: rm.interoperability.to_networkx([[0, 1, 2]]),
+    ],
+)
+def test_what_is_no_complex(call):
+    with pytest.raises(
+        TypeError, match="complex must be a SimplicialComplex, got list"
+    ):
+        call()
+
+
+def test_format_that_is_no_word(tmp_path):
+    with pytest.raises(TypeError, match="format must be a word such as 'csv', got 3"):
+        read_points(tmp_path / "a.csv", format=3)
+
+
 # -------------------------------------------------------------------- fields
 
 

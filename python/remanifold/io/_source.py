@@ -10,7 +10,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import IO, NoReturn, TypeAlias
+from typing import IO, Any, NoReturn, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -123,7 +123,7 @@ def is_standard(path: StrPath) -> bool:
     return os.fspath(path) == STANDARD
 
 
-def suffix_of(path: StrPath, format: str | None, known: tuple[str, ...]) -> str:
+def suffix_of(path: StrPath, format: Any, known: tuple[str, ...]) -> str:
     """Suffix that names the format: that of the file, unless a format is given.
 
     Raises
@@ -132,6 +132,9 @@ def suffix_of(path: StrPath, format: str | None, known: tuple[str, ...]) -> str:
         No format by that name, or standard input or output without one.
     """
     if format is not None:
+        if not isinstance(format, str):
+            msg = f"format must be a word such as 'csv', got {format!r}"
+            raise TypeError(msg)
         suffix = "." + format.lower().removeprefix(".")
         if suffix not in known:
             words = ", ".join(word[1:] for word in known)

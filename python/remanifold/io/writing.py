@@ -14,6 +14,7 @@ from typing import IO, TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from remanifold._validation import check_complex
 from remanifold.io._gltf import write_glb, write_gltf
 from remanifold.io._mesh import FileMesh, simplex_name
 from remanifold.io._obj import write_obj
@@ -168,6 +169,7 @@ def write_complex(
     >>> import remanifold as rm
     >>> rm.io.write_complex("mesh.vtu", rec, {"spacing": s})  # doctest: +SKIP
     """
+    check_complex(complex)
     if complex.vertices is None:
         msg = (
             "complex has no coordinates, only inner products or distances: write its "
