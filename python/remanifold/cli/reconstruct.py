@@ -1,27 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command line: ``remanifold reconstruct INPUT --dim K -o OUT``.
-
-``remanifold dimension INPUT`` finds K. The result goes to a file, the report to standard output, everything else to standard
-error. Exit codes: 0 done, 1 the run or a file failed, 2 wrong usage, 130 interrupted.
-"""
+"""``remanifold reconstruct``: from a file of samples to a mesh."""
 
 from __future__ import annotations
 
-import contextlib
-import itertools
 import json
 import math
-import time
 import warnings
-from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
-import numpy as np
 import typer
-from rich.console import Console
 from rich.table import Table
-from rich.text import Text
 
 import remanifold as rm
 from remanifold._validation import (
@@ -30,52 +19,25 @@ from remanifold._validation import (
     check_positive,
     check_smooth,
 )
-from remanifold.dimension import LOW_CONFIDENCE, SMALLEST_SCALE, low_confidence
+from remanifold.cli._common import (
+    choice,
+    failures,
+    messages_console,
+    print_table,
+    rows_table,
+    say,
+    simplex_names,
+    timed,
+)
+from remanifold.cli.dimension import dim_report
+from remanifold.dimension import LOW_CONFIDENCE, low_confidence
 from remanifold.io import check_output, read_points, write_mesh
 from remanifold.reconstruction import METHODS
 from remanifold.steps import EDGE_RULES, ESTIMATORS, SEARCHES
 
-__all__ = ["app", "main"]
-
 # More would take longer than the reconstruction.
 MAX_SIMPLICES_FOR_ALGEBRA = 200_000
 BOUNDARIES: dict[str, str | bool] = {"auto": "auto", "closed": False}
-
-app = typer.Typer(
-    name="remanifold",
-    help="Reconstruct manifolds from their samples.",
-    add_completion=False,
-    no_args_is_help=True,
-    pretty_exceptions_enable=False,
-    rich_markup_mode=None,
-    context_settings={"help_option_names": ["-h", "--help"]},
-)
-
-
-def main() -> None:
-    """Run the command line."""
-    app(prog_name="remanifold")
-
-
-def _version(wanted: bool) -> None:
-    if wanted:
-        typer.echo(f"remanifold {rm.__version__}")
-        raise typer.Exit
-
-
-def _choice(words: tuple[str, ...], text: str, show_default: str | bool = True) -> Any:
-    def check(word: str | None) -> str | None:
-        if word is not None and word not in words:
-            msg = f"{word!r} is not one of {', '.join(map(repr, words))}."
-            raise typer.BadParameter(msg)
-        return word
-
-    return typer.Option(
-        metavar=f"[{'|'.join(words)}]",
-        help=text,
-        callback=check,
-        show_default=show_default,
-    )
 
 
 def _dim_or_auto(text: str) -> int | str:
@@ -86,21 +48,6 @@ def _dim_or_auto(text: str) -> int | str:
     except ValueError:
         msg = f"{text!r} is neither a positive integer nor 'auto'."
         raise typer.BadParameter(msg) from None
-
-
-@contextlib.contextmanager
-def _failures(messages: Console) -> Iterator[None]:
-    """Say in one line what failed, and exit."""
-    try:
-        yield
-    except KeyboardInterrupt:
-        _say(messages, "interrupted", "red")
-        raise typer.Exit(130) from None
-    except typer.BadParameter:
-        raise
-    except Exception as error:  # noqa: BLE001  one line for the user, whatever it is
-        _say(messages, f"error: {_describe(error)}", "red")
-        raise typer.Exit(1) from None
 
 
 def _outliers(text: str) -> Any:
@@ -123,19 +70,6 @@ def _smooth(text: str) -> Any:
         raise typer.BadParameter(msg) from None
 
 
-@app.callback()
-def _root(
-    _: Annotated[
-        bool,
-        typer.Option(
-            "--version", callback=_version, is_eager=True, help="Show the version."
-        ),
-    ] = False,
-) -> None:
-    pass
-
-
-@app.command()
 def reconstruct(
     source: Annotated[
         Path,
@@ -165,11 +99,11 @@ def reconstruct(
         ),
     ],
     method: Annotated[
-        str, _choice(METHODS, "Closed up to a manifold, or the paper's complex.")
+        str, choice(METHODS, "Closed up to a manifold, or the paper's complex.")
     ] = "manifold",
     boundary: Annotated[
         str,
-        _choice(
+        choice(
             tuple(BOUNDARIES),
             "Manifold method: leave wide holes open, or close everything.",
         ),
@@ -217,7 +151,7 @@ def reconstruct(
     ] = None,
     estimator: Annotated[
         str | None,
-        _choice(
+        choice(
             ESTIMATORS,
             "Estimator of the tangent spaces.",
             "jet, or enclosure for paper",
@@ -225,14 +159,14 @@ def reconstruct(
     ] = None,
     edges: Annotated[
         str | None,
-        _choice(
+        choice(
             EDGE_RULES,
             "Paper's method: keep edges seen from both ends, or from either.",
             "mutual",
         ),
     ] = None,
     search: Annotated[
-        str, _choice(SEARCHES, "Search for the nearest neighbors.")
+        str, choice(SEARCHES, "Search for the nearest neighbors.")
     ] = "auto",
     threads: Annotated[
         int | None, typer.Option(min=1, show_default="all cores", help="Threads.")
@@ -245,24 +179,24 @@ def reconstruct(
     ] = False,
 ) -> None:
     """Reconstruct a manifold from samples and write it as a mesh."""
-    messages = Console(stderr=True, soft_wrap=True, highlight=False)
+    messages = messages_console()
     found: rm.DimensionEstimate | None = None
     seconds: dict[str, float] = {}
-    with _failures(messages):
+    with failures(messages):
         _check_method(method, boundary, hole_radius, edges)
         # Every mesh format holds triangles.
         _check_usage(source, output, 2 if dim == "auto" else dim, num_neighbors, "no")
-        points, seconds["read"] = _timed(lambda: read_points(source))
+        points, seconds["read"] = timed(lambda: read_points(source))
         show_progress = messages.is_terminal and not quiet
         if dim == "auto":
-            found, seconds["dimension"] = _timed(
+            found, seconds["dimension"] = timed(
                 lambda: rm.estimate_dimension(
                     points, num_threads=threads, progress=show_progress
                 )
             )
             dim = found.dim
             if found.confidence >= LOW_CONFIDENCE and not quiet:
-                _say(messages, found.verdict, "none")
+                say(messages, found.verdict, "none")
         _check_usage(source, output, dim, num_neighbors, smooth, points.shape[1])
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", rm.RemanifoldWarning)
@@ -283,12 +217,12 @@ def reconstruct(
             )
         report = _report(rec)
         vertices: Any = rec.samples if keep_positions else rec.vertices
-        _, seconds_written = _timed(lambda: write_mesh(output, vertices, rec.simplices))
+        _, seconds_written = timed(lambda: write_mesh(output, vertices, rec.simplices))
 
     seconds = {**seconds, **report["seconds"], "write": seconds_written}
     complaints = [str(warning.message) for warning in caught]
     if found is not None:
-        report["dim_estimate"] = _dim_report(found)
+        report["dim_estimate"] = dim_report(found)
         if found.confidence < LOW_CONFIDENCE:
             complaints.insert(0, low_confidence(found))
     warned = any(issubclass(w.category, rm.ManifoldWarning) for w in caught)
@@ -304,104 +238,11 @@ def reconstruct(
     }
     if not quiet:
         for text in complaints:
-            _say(messages, f"warning: {text}", "yellow")
+            say(messages, f"warning: {text}", "yellow")
     if as_json:
         typer.echo(json.dumps(report, indent=2))
     elif not quiet:
-        Console(highlight=False).print(_table(report))
-
-
-@app.command()
-def dimension(
-    source: Annotated[
-        Path, typer.Argument(metavar="INPUT", help="Samples, as for reconstruct.")
-    ],
-    num_neighbors: Annotated[
-        int | None,
-        typer.Option(
-            min=SMALLEST_SCALE,
-            show_default="found from the samples",
-            help="The scale to decide at, as neighbors per sample.",
-        ),
-    ] = None,
-    threads: Annotated[
-        int | None, typer.Option(min=1, show_default="all cores", help="Threads.")
-    ] = None,
-    as_json: Annotated[
-        bool, typer.Option("--json", help="Report as a JSON object.")
-    ] = False,
-    quiet: Annotated[
-        bool, typer.Option("--quiet", "-q", help="No progress or warnings.")
-    ] = False,
-) -> None:
-    """Estimate the dimension of the manifold that the samples lie on."""
-    messages = Console(stderr=True, soft_wrap=True, highlight=False)
-    with _failures(messages):
-        points, seconds_read = _timed(lambda: read_points(source))
-        found, seconds_found = _timed(
-            lambda: rm.estimate_dimension(
-                points,
-                num_neighbors=num_neighbors,
-                num_threads=threads,
-                progress=messages.is_terminal and not quiet,
-            )
-        )
-    if found.confidence < LOW_CONFIDENCE and not quiet:
-        _say(messages, f"warning: {low_confidence(found)}", "yellow")
-    report = {
-        "input": str(source),
-        "num_samples": len(points),
-        "ambient_dim": points.shape[1],
-        "dim": found.dim,
-        **_dim_report(found),
-        "seconds": {"read": seconds_read, "dimension": seconds_found},
-    }
-    if as_json:
-        typer.echo(json.dumps(report, indent=2))
-    else:
-        Console(highlight=False).print(_dim_table(report))
-
-
-def _dim_report(found: rm.DimensionEstimate) -> dict[str, Any]:
-    values, counts = np.unique(found.per_sample, return_counts=True)
-    return {
-        "confidence": found.confidence,
-        "estimates": found.estimates,
-        "num_neighbors": found.num_neighbors,
-        "samples_by_dim": {
-            str(k): n for k, n in zip(values.tolist(), counts.tolist(), strict=True)
-        },
-        "scales": found.scales.tolist(),
-        "dims": found.dims.tolist(),
-        "verdict": found.verdict,
-    }
-
-
-def _dim_table(report: dict[str, Any]) -> Table:
-    runs = []
-    for dim, group in itertools.groupby(
-        zip(report["dims"], report["scales"], strict=True), key=lambda pair: pair[0]
-    ):
-        scales = [f"{scale:,}" for _, scale in group]
-        ends = scales[0] if len(scales) == 1 else f"{scales[0]} to {scales[-1]}"
-        runs.append(f"{dim or 'unclear'} at {ends}")
-    rows = {
-        "samples": f"{report['num_samples']:,} in R^{report['ambient_dim']}",
-        "dimension": str(report["dim"]),
-        "confidence": f"{report['confidence']:.2f}",
-        "by samples": ", ".join(
-            f"{dim} at {count:,}" for dim, count in report["samples_by_dim"].items()
-        ),
-        "by neighbors": ", ".join(runs),
-        "local PCA": f"{report['estimates']['local_pca']:.2f}",
-        "maximum likelihood": f"{report['estimates']['maximum_likelihood']:.2f}",
-        "TwoNN": f"{report['estimates']['two_nn']:.2f}",
-        "decided at": f"{report['num_neighbors']:,} neighbors",
-        "seconds": "\n".join(
-            f"{s:.2f} {name}" for name, s in report["seconds"].items()
-        ),
-    }
-    return _rows(rows)
+        print_table(_table(report))
 
 
 def _check_method(
@@ -451,16 +292,10 @@ def _check_usage(
         raise typer.BadParameter(msg, param_hint="'--output'")
 
 
-def _timed(work: Callable[[], Any]) -> tuple[Any, float]:
-    start = time.perf_counter()
-    result = work()
-    return result, time.perf_counter() - start
-
-
 def _report(rec: rm.Reconstruction) -> dict[str, Any]:
-    topology, seconds_topology = _timed(rec.topology)
-    repair, seconds_repair = _timed(lambda: rec.repair)
-    quality, seconds_quality = _timed(lambda: rec.quality)
+    topology, seconds_topology = timed(rec.topology)
+    repair, seconds_repair = timed(lambda: rec.repair)
+    quality, seconds_quality = timed(lambda: rec.quality)
     manifold = rec.method == "manifold"
     return {
         "method": rec.method,
@@ -534,7 +369,7 @@ def _smoothing_text(report: dict[str, Any]) -> str:
 
 def _complaints(report: dict[str, Any], warned: bool) -> list[str]:
     """Say what the result lacks, unless the library has warned of it."""
-    faces, simplices = _names(report["dim"])[-2:]
+    faces, simplices = simplex_names(report["dim"])[-2:]
     unused = "{} samples are in no simplex"
     if report["method"] == "paper":
         unused += f" ({report['boundary_samples']:,} have no tangent space)"
@@ -564,7 +399,7 @@ def _defects(
 
 
 def _table(report: dict[str, Any]) -> Table:
-    names = _names(report["dim"])
+    names = simplex_names(report["dim"])
     faces, simplices = names[-2:]
     yes_no = {True: "yes", False: "no"}
     counts = {
@@ -630,34 +465,4 @@ def _table(report: dict[str, Any]) -> Table:
         ),
         "written": report["output"],
     }
-    return _rows(rows)
-
-
-def _rows(rows: dict[str, str]) -> Table:
-    table = Table(show_header=False, box=None, pad_edge=False)
-    table.add_column(style="bold", no_wrap=True)
-    table.add_column(overflow="fold")
-    for name, value in rows.items():
-        table.add_row(name, Text(value))
-    return table
-
-
-def _names(dim: int) -> list[str]:
-    """Name the simplices of dimension 0 to ``dim``."""
-    names = ["vertices", "edges", "triangles", "tetrahedra"]
-    return (names + [f"{k}-simplices" for k in range(4, dim + 1)])[: dim + 1]
-
-
-def _describe(error: Exception) -> str:
-    if isinstance(error, OSError) and error.strerror:
-        where = f"{error.filename}: " if error.filename else ""
-        return f"{where}{error.strerror}"
-    if isinstance(error, ValueError | TypeError | OSError) and str(error):
-        return str(error)
-    if isinstance(error, MemoryError):
-        return f"out of memory: {error}" if str(error) else "out of memory"
-    return f"{type(error).__name__}: {error}"
-
-
-def _say(console: Console, text: str, style: str) -> None:
-    console.print(Text(f"remanifold: {' '.join(text.splitlines())}", style=style))
+    return rows_table(rows)
