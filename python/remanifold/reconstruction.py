@@ -289,14 +289,6 @@ class Reconstruction(SimplicialComplex):
         """
         return assess(self)
 
-    @property
-    def _source(self) -> tuple[str, NDArray[np.float64]]:
-        """The samples as they were given."""
-        if self.vertices is not None:
-            return "points", self.vertices
-        assert self._products is not None
-        return self._products
-
 
 def reconstruct(
     points: ArrayLike | None = None,

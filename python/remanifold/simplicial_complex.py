@@ -17,6 +17,8 @@ from remanifold.topology import Topology, topology_of
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from remanifold._validation import Kind
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SimplicialComplex(ReadOnlyArrays):
@@ -53,7 +55,7 @@ class SimplicialComplex(ReadOnlyArrays):
     vertices: NDArray[np.float64] | None
     simplices: NDArray[np.int32]
     # How the samples are known where they have no coordinates: "gram" or "distances".
-    _products: tuple[str, NDArray[np.float64]] | None = field(
+    _products: tuple[Kind, NDArray[np.float64]] | None = field(
         default=None, kw_only=True
     )
 
@@ -133,6 +135,14 @@ class SimplicialComplex(ReadOnlyArrays):
         simplices = np.sort(self.simplices, axis=1)
         own = self.component_labels()[simplices[:, 0]] == index
         return topology_of(simplices[own], self.num_vertices)
+
+    @property
+    def _source(self) -> tuple[Kind, NDArray[np.float64]]:
+        """The positions, or the products as they were given."""
+        if self.vertices is not None:
+            return "points", self.vertices
+        assert self._products is not None
+        return self._products
 
     @functools.cached_property
     def _topology(self) -> Topology:
