@@ -91,12 +91,7 @@ def embed(complex: SimplicialComplex, method: str = "auto") -> Embedding:
     >>> rm.embed(rec, "pca").label
     'PCA to 3 of 4 dimensions, 75 % of the variance'
     """
-    # A class that imports this module's plots: not at the top.
-    from remanifold.simplicial_complex import SimplicialComplex
-
-    if not isinstance(complex, SimplicialComplex):
-        msg = f"complex must be a SimplicialComplex, got {type(complex).__name__}"
-        raise TypeError(msg)
+    check_complex(complex)
     check_choice(method, "method", METHODS)
     given = as_points(Input(*complex._source))
     known = complex.vertices is not None
@@ -123,6 +118,16 @@ def embed(complex: SimplicialComplex, method: str = "auto") -> Embedding:
         by_pca.points, edges, lengths
     )
     return by_geodesics if better else by_pca
+
+
+def check_complex(complex: object) -> None:
+    """Refuse what is no complex."""
+    # A class that calls this module: not imported at its top.
+    from remanifold.simplicial_complex import SimplicialComplex
+
+    if not isinstance(complex, SimplicialComplex):
+        msg = f"complex must be a SimplicialComplex, got {type(complex).__name__}"
+        raise TypeError(msg)
 
 
 def _lengths(
