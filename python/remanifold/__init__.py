@@ -20,8 +20,11 @@ except ImportError as error:
 from remanifold import datasets, io
 from remanifold.cleaning import Smoothing, find_outliers, smooth
 from remanifold.dimension import DimensionEstimate, estimate_dimension
+from remanifold.embedding import Embedding, embed
+from remanifold.plotting import plot
 from remanifold.quality import Quality, Reason
 from remanifold.reconstruction import Reconstruction, Repair, reconstruct
+from remanifold.report_page import write_report
 from remanifold.simplicial_complex import SimplicialComplex
 from remanifold.singularities import Place, Singularities, find_singularities
 from remanifold.steps import (
@@ -50,6 +53,7 @@ __all__ = [
     "DimensionEstimate",
     "DimensionWarning",
     "EdgeSets",
+    "Embedding",
     "LocalRegions",
     "ManifoldWarning",
     "Neighborhoods",
@@ -71,13 +75,16 @@ __all__ = [
     "compute_topology",
     "datasets",
     "edge_sets",
+    "embed",
     "estimate_dimension",
     "find_outliers",
     "find_singularities",
     "io",
     "local_regions",
     "neighborhoods",
+    "plot",
     "reconstruct",
     "smooth",
     "tangent_spaces",
+    "write_report",
 ]

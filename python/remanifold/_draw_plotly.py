@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 SYMBOLS = {"circle": "circle", "x": "x"}
+WITH_WIRE = 8_000  # triangles: each edge takes 80 bytes of a page
+LIFT = 0.0025  # of the extent
 # A share of the range below it that stands for what is unknown.
 BELOW = 0.02
 
@@ -152,9 +154,9 @@ def _surface(
         hoverinfo="skip",
         showlegend=True,
         lighting={
-            "ambient": 0.55,
-            "diffuse": 0.75,
-            "specular": 0.12,
+            "ambient": 0.5,
+            "diffuse": 0.55,
+            "specular": 0.05,
             "roughness": 0.6,
             "facenormalsepsilon": 0,
             "vertexnormalsepsilon": 0,
@@ -162,11 +164,10 @@ def _surface(
         lightposition={"x": 4000, "y": 2000, "z": 8000},
         **look,
     )
-    if not surface.wire:
+    if not surface.wire or len(surface.triangles) > WITH_WIRE:
         return [mesh]
-    sides = np.sort(surface.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
     wire = go.Scatter3d(
-        **_single(_with_gaps(points, np.unique(sides, axis=0))),
+        **_single(_wire(points, surface.triangles)),
         mode="lines",
         line={"color": WIRE_COLOR, "width": 1},
         opacity=0.5 if surface.opacity == 1 else 0.25,
@@ -175,6 +176,23 @@ def _surface(
         showlegend=False,
     )
     return [mesh, wire]
+
+
+def _wire(
+    points: NDArray[np.float64], triangles: NDArray[np.intp]
+) -> NDArray[np.float64]:
+    """Edges a little off both sides of the triangles, which would hide them."""
+    corners = points[triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    at_points = np.zeros_like(points)
+    for corner in triangles.T:
+        np.add.at(at_points, corner, normals)
+    size = np.linalg.norm(at_points, axis=1, keepdims=True)
+    off = at_points / np.where(size > 0, size, 1)
+    off *= LIFT * float(np.ptp(points, axis=0).max())
+    sides = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    edges = np.unique(sides, axis=0)
+    return np.concatenate([_with_gaps(points + side * off, edges) for side in (1, -1)])
 
 
 def _with_gaps(

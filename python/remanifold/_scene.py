@@ -13,11 +13,11 @@ from remanifold import _core
 from remanifold._measures import at_vertices, shapes
 from remanifold._thinning import thinned
 from remanifold._validation import check_choice, check_vertex_values
-from remanifold.embedding import embed
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
+    from remanifold.embedding import Embedding
     from remanifold.reconstruction import Reconstruction
     from remanifold.simplicial_complex import SimplicialComplex
 
@@ -120,7 +120,7 @@ def scene_of(
     *,
     color: str | ArrayLike | None,
     style: str,
-    embedding: str,
+    placed: Embedding,
     show_samples: bool,
     show_doubtful: bool,
     limit: int,
@@ -130,7 +130,6 @@ def scene_of(
     values, scale = _values(complex, color)
     if show_doubtful:
         _reconstruction(complex, "show_doubtful=True")
-    placed = embed(complex, embedding)
     scene = Scene(
         flat=complex.ambient_dim == 2 and placed.method == "coordinates",
         caption=[placed.label] if placed.label else [],

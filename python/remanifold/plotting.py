@@ -15,7 +15,7 @@ from remanifold._optional import load
 from remanifold._scene import scene_of
 from remanifold._validation import check_choice, check_int
 from remanifold.embedding import METHODS as EMBEDDINGS
-from remanifold.embedding import check_complex
+from remanifold.embedding import check_complex, embed
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -131,7 +131,7 @@ def plot(
         complex,
         color=color,
         style=style,
-        embedding=embedding,
+        placed=embed(complex, embedding),
         show_samples=show_samples,
         show_doubtful=show_doubtful,
         limit=limit,

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import functools
+import os
 import warnings
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -220,6 +221,23 @@ class Reconstruction(SimplicialComplex):
             f"Reconstruction(samples={self.num_samples}{ambient}, dim={self.dim}, "
             f"simplices={len(self.simplices)}, method={self.method!r})"
         )
+
+    def report(
+        self,
+        path: str | os.PathLike[str],
+        title: str | None = None,
+        command: str | None = None,
+    ) -> None:
+        """Write a page that shows the result and says how far to trust it.
+
+        Parameters
+        ----------
+        path, title, command
+            As in `remanifold.write_report`.
+        """
+        from remanifold.report_page import write_report
+
+        write_report(self, path, title, command)
 
     @property
     def num_samples(self) -> int:

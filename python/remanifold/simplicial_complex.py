@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import functools
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -107,6 +107,23 @@ class SimplicialComplex(ReadOnlyArrays):
     def component_labels(self) -> NDArray[np.int32]:
         """Component of each vertex, in order of lowest vertex; -1 in no simplex."""
         return _core.component_labels(self.simplices, self.num_vertices)
+
+    def plot(self, **options: Any) -> Any:
+        """Draw the complex, by PyVista, Plotly or Matplotlib.
+
+        Parameters
+        ----------
+        **options
+            Those of `remanifold.plot`: ``color=``, ``show_samples=``, ``screenshot=``,
+            ``backend=`` and others.
+
+        Returns
+        -------
+        pyvista.Plotter, plotly.graph_objects.Figure or matplotlib.figure.Figure
+        """
+        from remanifold.plotting import plot
+
+        return plot(self, **options)
 
     def topology(self, component: int | None = None) -> Topology:
         """Topology of the complex, computed once, or of one of its components.

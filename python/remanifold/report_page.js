@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+(() => {
+  "use strict";
+  const place = document.getElementById("picture");
+  const read = (name) => JSON.parse(document.getElementById(name).textContent);
+  const { data, layout, looks } = read("figure");
+  const canvas = document.createElement("canvas");
+  if (!window.Plotly || !(canvas.getContext("webgl2") || canvas.getContext("webgl"))) {
+    place.textContent = "This browser cannot draw in three dimensions (no WebGL).";
+    return;
+  }
+  const dark = window.matchMedia("(prefers-color-scheme: dark)");
+  const inColorsOfThePage = () => {
+    const style = getComputedStyle(document.documentElement);
+    layout.font = { ...layout.font, color: style.getPropertyValue("--ink").trim() };
+    layout.paper_bgcolor = "rgba(0,0,0,0)";
+    layout.scene.bgcolor = "rgba(0,0,0,0)";
+    const color = style.getPropertyValue("--faint").trim();
+    layout.modebar = { bgcolor: "rgba(0,0,0,0)", color, activecolor: layout.font.color };
+  };
+  const config = { responsive: true, displaylogo: false };
+  let chosen = 0;
+  const draw = () => {
+    inColorsOfThePage();
+    const look = looks[chosen];
+    const shown = data.map((trace, i) => ({ ...trace, ...(look.traces[i] || {}) }));
+    return Plotly.react(place, shown, layout, config);
+  };
+  // What fits the height may be too wide for a phone.
+  const eye = layout.scene.camera.eye;
+  const back = Math.max(1, (0.8 * place.clientHeight) / place.clientWidth);
+  for (const axis of ["x", "y", "z"]) eye[axis] *= back;
+  layout.scene.uirevision = layout.uirevision = "the camera stays";
+  const chooser = document.getElementById("color");
+  if (chooser) {
+    chooser.addEventListener("change", () => { chosen = chooser.selectedIndex; draw(); });
+  }
+  dark.addEventListener("change", draw);
+  draw().then(() => place.setAttribute("data-drawn", "yes"));
+})();
