@@ -9,7 +9,6 @@ import numpy as np
 
 from remanifold._optional import load
 from remanifold._scene import (
-    CATEGORY_COLORS,
     MESH_COLOR,
     UNKNOWN_COLOR,
     WIRE_COLOR,
@@ -76,7 +75,7 @@ def _mapped(
     from matplotlib.colors import ListedColormap, Normalize
 
     if scale.categories:
-        table: Any = ListedColormap(CATEGORY_COLORS[: len(scale.categories)])
+        table: Any = ListedColormap(scale.colors)
         values = values + 0.5
     else:
         table = colormaps["viridis"].copy()

@@ -9,7 +9,6 @@ import numpy as np
 
 from remanifold._optional import load
 from remanifold._scene import (
-    CATEGORY_COLORS,
     MESH_COLOR,
     SCALE_COLORS,
     UNKNOWN_COLOR,
@@ -45,7 +44,7 @@ def figure(scene: Scene, title: str, size: tuple[int, int] | None) -> Any:
     traces += [_marks(go, marks, middle) for marks in scene.marks]
     heading = "<br>".join(_plain(line) for line in [title, *scene.caption] if line)
     up = {"x": 0, "y": 1, "z": 0} if scene.flat else {"x": 0, "y": 0, "z": 1}
-    eye = (0, 0, 2) if scene.flat else (1.25, 1.1, 0.8)
+    eye = (0, 0, 1.7) if scene.flat else (1.25, 1.1, 0.8)
     hidden = {"visible": False, "showspikes": False}
     figure = go.Figure(traces)
     figure.update_layout(
@@ -54,7 +53,7 @@ def figure(scene: Scene, title: str, size: tuple[int, int] | None) -> Any:
         margin={"l": 0, "r": 0, "b": 0, "t": 24 + 20 * heading.count("<br>")}
         if heading
         else {"l": 0, "r": 0, "b": 0, "t": 0},
-        showlegend=len(traces) > 1,
+        showlegend=sum(trace.showlegend is not False for trace in traces) > 1,
         legend={"orientation": "h", "x": 0, "y": 0, "itemsizing": "constant"},
         scene={
             "xaxis": hidden,
@@ -64,7 +63,6 @@ def figure(scene: Scene, title: str, size: tuple[int, int] | None) -> Any:
             "camera": {
                 "eye": dict(zip("xyz", eye, strict=True)),
                 "up": up,
-                "projection": {"type": "orthographic" if scene.flat else "perspective"},
             },
             "dragmode": "orbit",
         },
@@ -90,7 +88,7 @@ def _coloring(
     """Values, color scale and range; what is unknown comes below the range."""
     low, high = scale.low, scale.high
     if scale.categories:
-        colors = CATEGORY_COLORS[: len(scale.categories)]
+        colors = scale.colors
         stops = [
             [(i + side) / len(colors), color]
             for i, color in enumerate(colors)

@@ -9,7 +9,6 @@ import numpy as np
 
 from remanifold._optional import load
 from remanifold._scene import (
-    CATEGORY_COLORS,
     MESH_COLOR,
     UNKNOWN_COLOR,
     WIRE_COLOR,
@@ -102,9 +101,8 @@ def _coloring(
         "scalar_bar_args": bar,
     }
     if scale.categories:
-        count = len(scale.categories)
         look["scalars"] = values + 0.5
-        look["cmap"] = list(CATEGORY_COLORS[:count])
+        look["cmap"] = list(scale.colors)
         look["annotations"] = {i + 0.5: name for i, name in enumerate(scale.categories)}
         bar["n_labels"] = 0
     return look

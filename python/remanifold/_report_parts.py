@@ -84,10 +84,8 @@ def topology(rec: Reconstruction) -> str:
         ("boundary components", f"{found.boundary_components:,}"),
         ("singular vertices", f"{len(found.singular_vertices):,}"),
     ]
-    rows += [
-        (f"{names[-2]} in {count:,} {names[-1]}", f"{faces:,}")
-        for count, faces in found.coface_counts.items()
-    ]
+    by_number = (f"{faces:,} in {n:,}" for n, faces in found.coface_counts.items())
+    rows.append((f"{names[-2]} by {names[-1]}", ", ".join(by_number)))
     return section("topology", "Topology", rows_table("Topology", rows))
 
 

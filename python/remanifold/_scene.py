@@ -33,7 +33,7 @@ FIELDS = ("boundary", "component", "quality", *QUALITY_FIELDS)
 
 MESH_COLOR = "#f2c98f"
 WIRE_COLOR = "#5b4a33"
-LINE_COLOR = "#2b6cb0"
+LINE_COLOR = "#2f7ac6"
 RIM_COLOR = "#1f5fd0"
 SAMPLE_COLOR = "#20466e"
 DOUBTFUL_COLOR = "#d81b2c"
@@ -59,6 +59,7 @@ class Scale(NamedTuple):
     low: float
     high: float
     categories: tuple[str, ...] = ()
+    colors: tuple[str, ...] = ()
 
 
 class Surface(NamedTuple):
@@ -169,7 +170,7 @@ class _Builder:
         if dim == 0:
             self.mark("vertices", rows[:, 0], SAMPLE_COLOR, 5)
         elif dim == 1:
-            self.add_lines("edges", rows, LINE_COLOR, 3, "edges")
+            self.add_lines("edges", rows, LINE_COLOR, 4, "edges")
             self.mark("ends", open_faces(rows)[:, 0], RIM_COLOR, 7)
         elif dim > 3 or style == "edges":
             self.add_edges()
@@ -327,12 +328,16 @@ def _values(
         count = int(labels.max(initial=-1)) + 1
         names = tuple(map(str, range(min(count, len(CATEGORY_COLORS)))))
         numbers = (labels % len(CATEGORY_COLORS)).astype(np.float64)
-        return numbers, Scale("component", 0, len(names), names)
+        return numbers, Scale(
+            "component", 0, len(names), names, CATEGORY_COLORS[: len(names)]
+        )
     if color == "boundary":
         mask = np.zeros(complex.num_vertices, dtype=bool)
         if complex.dim > 0:
             mask[open_faces(complex.simplices)] = True
-        return mask.astype(np.float64), Scale("boundary", 0, 2, ("no", "yes"))
+        return mask.astype(np.float64), Scale(
+            "boundary", 0, 2, ("no", "yes"), (MESH_COLOR, RIM_COLOR)
+        )
     if color == "quality":
         if complex.dim < 2:
             msg = (
@@ -345,7 +350,9 @@ def _values(
     field_values = getattr(_reconstruction(complex, f"color={color!r}").quality, color)
     values = np.asarray(field_values, dtype=np.float64)
     if color == "doubtful":
-        return values, Scale("in doubt", 0, 2, ("no", "yes"))
+        return values, Scale(
+            "in doubt", 0, 2, ("no", "yes"), (MESH_COLOR, DOUBTFUL_COLOR)
+        )
     return values, _range(color.replace("_", " "), values)
 
 

@@ -18,7 +18,8 @@
     const color = style.getPropertyValue("--faint").trim();
     layout.modebar = { bgcolor: "rgba(0,0,0,0)", color, activecolor: layout.font.color };
   };
-  const config = { responsive: true, displaylogo: false };
+  const buttons = [["toImage", "zoom3d", "pan3d", "orbitRotation", "resetCameraDefault3d"]];
+  const config = { responsive: true, displaylogo: false, modeBarButtons: buttons };
   let chosen = 0;
   const draw = () => {
     inColorsOfThePage();
@@ -28,7 +29,7 @@
   };
   // What fits the height may be too wide for a phone.
   const eye = layout.scene.camera.eye;
-  const back = Math.max(1, (0.8 * place.clientHeight) / place.clientWidth);
+  const back = Math.max(1, (1.1 * place.clientHeight) / place.clientWidth);
   for (const axis of ["x", "y", "z"]) eye[axis] *= back;
   layout.scene.uirevision = layout.uirevision = "the camera stays";
   const chooser = document.getElementById("color");

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The command line: ``remanifold reconstruct INPUT --dim K -o OUT``.
 
-``remanifold dimension INPUT`` finds K. The result goes to a file, the report to standard
+``remanifold dimension INPUT`` finds K, ``remanifold report INPUT --dim K -o PAGE`` writes a
+page that shows the result, ``remanifold view MESH`` draws a mesh. The result goes to a file, the report to standard
 output, everything else to standard error. Exit codes: 0 done, 1 the run or a file failed,
 2 wrong usage, 130 interrupted.
 
@@ -15,7 +16,7 @@ from typing import Annotated
 import typer
 
 import remanifold as rm
-from remanifold.cli import dimension, reconstruct
+from remanifold.cli import dimension, reconstruct, report, view
 
 __all__ = ["app", "main"]
 
@@ -55,3 +56,5 @@ def _root(
 
 app.command()(reconstruct.reconstruct)
 app.command()(dimension.dimension)
+app.command()(report.report)
+app.command()(view.view)
