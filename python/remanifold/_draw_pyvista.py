@@ -3,6 +3,11 @@
 
 from __future__ import annotations
 
+import contextlib
+import ctypes
+import os
+import sys
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -66,6 +71,42 @@ def plotter(
         )
     _place_camera(plotter, scene)
     return plotter
+
+
+def need_renderer() -> None:
+    """Refuse what VTK would end the process for: no display, and nothing instead."""
+    if has_display():
+        return
+    for library in ("libEGL.so.1", "libOSMesa.so.8", "libOSMesa.so"):
+        try:
+            ctypes.CDLL(library)
+        except OSError:
+            continue
+        return
+    msg = (
+        "without a display PyVista draws by EGL or OSMesa, and neither is installed "
+        '(Debian: libegl1 or libosmesa6); or use backend="matplotlib" or "plotly"'
+    )
+    raise OSError(msg)
+
+
+def has_display() -> bool:
+    """Whether a window could open, as far as the environment tells."""
+    if not sys.platform.startswith("linux"):
+        return True
+    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+@contextlib.contextmanager
+def quiet() -> Iterator[None]:
+    """VTK tries a display before it does without, and warns of each attempt."""
+    logger = load("vtkmodules.vtkCommonCore", "plot").vtkLogger
+    before = logger.GetCurrentVerbosityCutoff()
+    logger.SetStderrVerbosity(logger.VERBOSITY_ERROR)
+    try:
+        yield
+    finally:
+        logger.SetStderrVerbosity(before)
 
 
 def _cells(rows: NDArray[np.intp]) -> NDArray[np.intp]:

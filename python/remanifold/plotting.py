@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from remanifold._draw_pyvista import has_display, need_renderer, plotter, quiet
 from remanifold._optional import load
 from remanifold._scene import scene_of
 from remanifold._validation import check_choice, check_int
@@ -94,8 +95,8 @@ def plot(
     ------
     ImportError
         The library is not installed.
-    RuntimeError
-        A window is wanted and there is no display.
+    OSError
+        A window is wanted and there is no display; or PyVista has nothing to draw with.
     ValueError, TypeError
         Unknown words; values of another shape; what only a Reconstruction has.
 
@@ -151,14 +152,16 @@ def _by_pyvista(
     path: Path | None,
     show: bool,
 ) -> Any:
-    from remanifold._draw_pyvista import plotter
-
     inside = in_notebook()
     if show and not inside:
         _need_display()
-    drawn = plotter(scene, title, size, off_screen=not show or inside)
-    if path is not None:
-        drawn.screenshot(str(path))
+    need_renderer()
+    # A plotter that is neither shown nor saved here may be shown later.
+    off_screen = inside or not has_display() or (not show and path is not None)
+    with quiet():
+        drawn = plotter(scene, title, size, off_screen=off_screen)
+        if path is not None:
+            drawn.screenshot(str(path))
     if show:
         # Pictures that turn inside a notebook need trame, plain ones nothing.
         turning = inside and _importable("trame") and _importable("trame_vtk")
@@ -231,8 +234,6 @@ def _importable(package: str) -> bool:
 
 def _need_display() -> None:
     """On X11 and Wayland a window without a display ends the process or hangs."""
-    if sys.platform.startswith("linux") and not (
-        os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
-    ):
+    if not has_display():
         msg = "there is no display to show a window on; give screenshot= or show=False"
-        raise RuntimeError(msg)
+        raise OSError(msg)
