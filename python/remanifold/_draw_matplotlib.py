@@ -78,8 +78,8 @@ def _mapped(
         table: Any = ListedColormap(scale.colors)
         values = values + 0.5
     else:
-        table = colormaps["viridis"].copy()
-    table.set_bad(UNKNOWN_COLOR)
+        table = colormaps["viridis"]
+    table = table.with_extremes(bad=UNKNOWN_COLOR)
     mappable = ScalarMappable(Normalize(scale.low, scale.high), table)
     masked = np.ma.masked_invalid(np.clip(values, scale.low, scale.high))
     return np.asarray(mappable.to_rgba(masked)), mappable

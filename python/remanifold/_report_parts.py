@@ -232,7 +232,7 @@ def _samples(
     if with_reasons:
         head.append("reason")
         columns.append(list(_reasons(rec, shown)))
-    note = f"{len(which):,} {what}"
+    note = f"{what.capitalize()}: {len(which):,}"
     if len(which) > len(shown):
         note = f"The first {len(shown)} of {len(which):,} {what}"
     return paragraph(f"{note}.", "faint") + grid_table(

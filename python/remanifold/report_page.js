@@ -22,20 +22,22 @@
   const config = { responsive: true, displaylogo: false, modeBarButtons: buttons };
   let chosen = 0;
   const draw = () => {
+    place.dataset.drawn = "no";
     inColorsOfThePage();
     const look = looks[chosen];
     const shown = data.map((trace, i) => ({ ...trace, ...(look.traces[i] || {}) }));
-    return Plotly.react(place, shown, layout, config);
+    // Anew: an update would keep the colors that the plain picture lacks. The layout
+    // is the one at hand, and with it the camera.
+    Plotly.newPlot(place, shown, layout, config).then(() => { place.dataset.drawn = "yes"; });
   };
   // What fits the height may be too wide for a phone.
   const eye = layout.scene.camera.eye;
   const back = Math.max(1, (1.1 * place.clientHeight) / place.clientWidth);
   for (const axis of ["x", "y", "z"]) eye[axis] *= back;
-  layout.scene.uirevision = layout.uirevision = "the camera stays";
   const chooser = document.getElementById("color");
   if (chooser) {
     chooser.addEventListener("change", () => { chosen = chooser.selectedIndex; draw(); });
   }
   dark.addEventListener("change", draw);
-  draw().then(() => place.setAttribute("data-drawn", "yes"));
+  draw();
 })();

@@ -33,7 +33,7 @@ class Browser:
         to_browser, self._out = os.pipe()
         self._in, from_browser = os.pipe()
         command = [
-            *("sh", "-c", f'exec "$@" 3<&{to_browser} 4>&{from_browser}', "sh"),
+            *("bash", "-c", f'exec "$@" 3<&{to_browser} 4>&{from_browser}', "bash"),
             *(find() or "chromium", *FLAGS, "--remote-debugging-pipe"),
             *(f"--user-data-dir={folder}", "about:blank"),
         ]

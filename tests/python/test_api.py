@@ -800,8 +800,9 @@ def test_examples_in_docstrings(name):
     result = doctest.testmod(importlib.import_module(name))
     assert result.failed == 0
     with_examples = (
-        *("remanifold", "cleaning", "datasets", "dimension", "io", "reconstruction"),
-        *("simplicial_complex", "singularities", "steps"),
+        *("remanifold", "cleaning", "datasets", "dimension", "embedding", "io"),
+        *("plotting", "reconstruction", "report_page", "simplicial_complex"),
+        *("singularities", "steps"),
     )
     assert (result.attempted > 0) == (name.rpartition(".")[2] in with_examples)
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 from typing import Annotated
 
@@ -11,7 +12,7 @@ import typer
 
 import remanifold as rm
 from remanifold._scene import STYLES
-from remanifold.cli._common import choice, describe, failures, messages_console
+from remanifold.cli._common import choice, failures, messages_console
 from remanifold.plotting import BACKENDS
 
 COLORS = ("component", "boundary", "quality")
@@ -71,14 +72,10 @@ def _read(path: Path) -> rm.SimplicialComplex:
             return rm.SimplicialComplex(arrays["points"], arrays["simplices"])
     import meshio
 
-    with path.open("rb"):  # a missing file is said to be missing
-        pass
-    try:
+    rm.io.read_points(path)  # says in one line what is wrong with a file
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
         mesh = meshio.read(path)
-    except (Exception, SystemExit) as error:  # noqa: BLE001  meshio may exit as well
-        detail = describe(error) if isinstance(error, Exception) else "not readable"
-        msg = f"{path}: {detail}"
-        raise ValueError(msg) from None
     for kind in CELLS:
         if kind in mesh.cells_dict:
             return rm.SimplicialComplex(mesh.points, mesh.cells_dict[kind])
