@@ -181,6 +181,19 @@ def test_embeddings_are_reproducible(rotations):
     )
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_signs_are_fixed(seed):
+    """Solvers may return either: the largest part of each axis is positive."""
+    points = np.random.default_rng(seed).normal(size=(40, 5))
+    mesh = rm.SimplicialComplex(points, [[i, i + 1] for i in range(39)])
+    centered = points - points.mean(axis=0)
+    axes = np.linalg.lstsq(centered, rm.embed(mesh, "pca").points, rcond=None)[0]
+    largest = abs(axes).argmax(axis=0)
+    assert (axes[largest, range(3)] > 0).all()
+    tied = np.array([[0.5, -0.5], [-0.5, 0.5], [0.5, 0.5]])
+    assert embedding._signs(tied).tolist() == [1, -1]
+
+
 @pytest.mark.parametrize("kind", ["gram", "distances"])
 def test_products_give_the_same_picture(kind):
     points = rm.datasets.flat_torus(150, random_state=0)
