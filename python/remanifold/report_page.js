@@ -32,7 +32,8 @@
   };
   // What fits the height may be too wide for a phone.
   const eye = layout.scene.camera.eye;
-  const back = Math.max(1, (1.1 * place.clientHeight) / place.clientWidth);
+  const flat = eye.x === 0 && eye.y === 0;
+  const back = Math.max(1, ((flat ? 1.6 : 1.1) * place.clientHeight) / place.clientWidth);
   for (const axis of ["x", "y", "z"]) eye[axis] *= back;
   const chooser = document.getElementById("color");
   if (chooser) {
