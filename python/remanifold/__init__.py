@@ -21,6 +21,7 @@ from remanifold import datasets, io
 from remanifold.cleaning import Smoothing, find_outliers, smooth
 from remanifold.dimension import DimensionEstimate, estimate_dimension
 from remanifold.embedding import Embedding, embed
+from remanifold.graphs import edge_graph
 from remanifold.plotting import plot
 from remanifold.quality import Quality, Reason
 from remanifold.reconstruction import Reconstruction, Repair, reconstruct
@@ -42,6 +43,7 @@ from remanifold.steps import (
 from remanifold.topology import Topology, compute_topology
 from remanifold.warnings import (
     DimensionWarning,
+    FileWarning,
     ManifoldWarning,
     RecallWarning,
     RemanifoldWarning,
@@ -54,6 +56,7 @@ __all__ = [
     "DimensionWarning",
     "EdgeSets",
     "Embedding",
+    "FileWarning",
     "LocalRegions",
     "ManifoldWarning",
     "Neighborhoods",
@@ -74,6 +77,7 @@ __all__ = [
     "clique_complex",
     "compute_topology",
     "datasets",
+    "edge_graph",
     "edge_sets",
     "embed",
     "estimate_dimension",

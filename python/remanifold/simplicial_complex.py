@@ -9,15 +9,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from remanifold import _core
+from remanifold import _core, interoperability
 from remanifold._read_only import ReadOnlyArrays
 from remanifold._validation import check_cells, check_int, check_points
+from remanifold.graphs import edge_graph
+from remanifold.io import write_complex
 from remanifold.topology import Topology, topology_of
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from collections.abc import Mapping
+
+    from numpy.typing import ArrayLike, NDArray
 
     from remanifold._validation import Kind
+    from remanifold.io._source import StrPath
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -103,6 +108,63 @@ class SimplicialComplex(ReadOnlyArrays):
         edges = _core.edges(self.simplices, self.num_vertices)
         edges.flags.writeable = False
         return edges
+
+    def write(
+        self,
+        path: StrPath,
+        fields: Mapping[str, ArrayLike] | None = None,
+        *,
+        format: str | None = None,
+    ) -> None:
+        """Write the complex to a file; its suffix names the format.
+
+        Parameters
+        ----------
+        path : str or path-like
+            The file: ``.ply``, ``.obj``, ``.off``, ``.stl``, ``.vtk``, ``.vtu``,
+            ``.glb``, ``.gltf``, or ``.npz`` for any K and D. See `io.write_mesh`.
+        fields : mapping of str to array_like, optional
+            Values at the vertices, of shape (N,) or (N, C): numbers or bool.
+        format : str, optional
+            The format by its suffix, such as "ply", whatever the name of the file.
+
+        Raises
+        ------
+        ValueError
+            If the format cannot hold the complex.
+        OSError
+            If the file cannot be written. Nothing is left behind.
+        """
+        write_complex(path, self, fields, format=format)
+
+    def to_gudhi(self, filtration: ArrayLike | None = None) -> Any:
+        """Simplex tree of GUDHI; see `interoperability.to_gudhi`."""
+        return interoperability.to_gudhi(self, filtration)
+
+    def to_trimesh(self, fields: Mapping[str, ArrayLike] | None = None) -> Any:
+        """Triangles as an object of trimesh; see `interoperability.to_trimesh`."""
+        return interoperability.to_trimesh(self, fields)
+
+    def to_pyvista(self, fields: Mapping[str, ArrayLike] | None = None) -> Any:
+        """Mesh or grid of PyVista; see `interoperability.to_pyvista`."""
+        return interoperability.to_pyvista(self, fields)
+
+    def to_meshio(self, fields: Mapping[str, ArrayLike] | None = None) -> Any:
+        """Mesh of meshio; see `interoperability.to_meshio`."""
+        return interoperability.to_meshio(self, fields)
+
+    def to_networkx(self) -> Any:
+        """Graph of NetworkX, with lengths; see `interoperability.to_networkx`."""
+        return interoperability.to_networkx(self)
+
+    def to_scipy_graph(self) -> Any:
+        """Sparse matrix of the lengths of the edges; see `edge_graph`."""
+        return edge_graph(self)
+
+    @classmethod
+    def from_meshio(cls, mesh: Any, dim: int | None = None) -> SimplicialComplex:
+        """Complex of a mesh of meshio; see `interoperability.from_meshio`."""
+        return interoperability.from_meshio(mesh, dim)
 
     def component_labels(self) -> NDArray[np.int32]:
         """Component of each vertex, in order of lowest vertex; -1 in no simplex."""

@@ -749,7 +749,7 @@ def test_import_is_light():
     loaded = done.stdout.split()
     assert "remanifold.steps" in loaded
     heavy = {"typer", "click", "rich", "meshio", "gudhi", "matplotlib", "scipy"}
-    heavy |= {"plotly", "pyvista", "vtkmodules"}
+    heavy |= {"laspy", "networkx", "plotly", "pyvista", "trimesh", "vtkmodules"}
     assert not heavy.intersection(loaded)
 
 
@@ -775,7 +775,7 @@ def test_all_is_complete():
 
 
 def public_functions():
-    for module in (rm, rm.datasets, rm.io):
+    for module in (rm, rm.datasets, rm.interoperability, rm.io):
         for name in module.__all__:
             value = getattr(module, name)
             if inspect.isfunction(value):
@@ -801,9 +801,18 @@ def test_examples_in_docstrings(name):
     result = doctest.testmod(importlib.import_module(name))
     assert result.failed == 0
     with_examples = (
-        *("remanifold", "cleaning", "datasets", "dimension", "embedding", "io"),
-        *("plotting", "reconstruction", "report_page", "simplicial_complex"),
-        *("singularities", "steps"),
+        *(
+            "remanifold",
+            "cleaning",
+            "datasets",
+            "dimension",
+            "embedding",
+            "plotting",
+            "report_page",
+            "graphs",
+            "io",
+        ),
+        *("reconstruction", "simplicial_complex", "singularities", "steps"),
     )
     assert (result.attempted > 0) == (name.rpartition(".")[2] in with_examples)
 

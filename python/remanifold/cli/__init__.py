@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The command line: ``remanifold reconstruct INPUT --dim K -o OUT``.
 
-``remanifold dimension INPUT`` finds K, ``remanifold report INPUT --dim K -o PAGE`` writes a
-page that shows the result, ``remanifold view MESH`` draws a mesh. The result goes to a file, the report to standard
-output, everything else to standard error. Exit codes: 0 done, 1 the run or a file failed,
-2 wrong usage, 130 interrupted.
+``remanifold dimension INPUT`` finds K, ``remanifold info FILE`` tells what a file holds,
+``remanifold convert INPUT OUTPUT`` writes it in another format. The result goes to a
+file, the report to standard output, everything else to standard error; where the result
+takes standard output the report goes to standard error too. Exit codes: 0 done, 1 the run
+or a file failed, 2 wrong usage, 130 interrupted.
 
 Each command is a function in a module of its own; here they are given their names.
 """
@@ -16,14 +17,21 @@ from typing import Annotated
 import typer
 
 import remanifold as rm
-from remanifold.cli import dimension, reconstruct, report, view
+from remanifold.cli import convert, dimension, info, reconstruct, report, view
+from remanifold.cli._common import examples
 
 __all__ = ["app", "main"]
 
 app = typer.Typer(
     name="remanifold",
     help="Reconstruct manifolds from their samples.",
-    add_completion=False,
+    epilog=examples(
+        "remanifold info scan.ply",
+        "remanifold dimension scan.ply",
+        "remanifold reconstruct scan.ply --dim 2 -o mesh.ply",
+        "remanifold convert mesh.ply mesh.vtu",
+    )
+    + "\n\nEach command has its own --help.",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
@@ -54,7 +62,12 @@ def _root(
     pass
 
 
-app.command()(reconstruct.reconstruct)
-app.command()(dimension.dimension)
-app.command()(report.report)
-app.command()(view.view)
+for module, command in (
+    (reconstruct, reconstruct.reconstruct),
+    (dimension, dimension.dimension),
+    (info, info.info),
+    (convert, convert.convert),
+    (report, report.report),
+    (view, view.view),
+):
+    app.command(epilog=module.EPILOG)(command)

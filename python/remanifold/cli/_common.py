@@ -4,14 +4,23 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import time
 from collections.abc import Callable, Iterator
-from typing import Any
+from pathlib import Path
+from typing import Annotated, Any
 
 import typer
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
+
+from remanifold.io._source import is_standard
+from remanifold.io.reading import READERS
+from remanifold.io.writing import WRITERS
+
+# More would take longer than the reconstruction.
+MAX_SIMPLICES_FOR_ALGEBRA = 200_000
 
 
 def messages_console() -> Console:
@@ -19,12 +28,12 @@ def messages_console() -> Console:
     return Console(stderr=True, soft_wrap=True, highlight=False)
 
 
-def print_table(table: Table) -> None:
-    """Print a table to standard output."""
-    Console(highlight=False).print(table)
-
-
-def choice(words: tuple[str, ...], text: str, show_default: str | bool = True) -> Any:
+def choice(
+    words: tuple[str, ...],
+    text: str,
+    show_default: str | bool = True,
+    metavar: str | None = None,
+) -> Any:
     """Make an option that takes one of a few words."""
 
     def check(word: str | None) -> str | None:
@@ -33,12 +42,84 @@ def choice(words: tuple[str, ...], text: str, show_default: str | bool = True) -
             raise typer.BadParameter(msg)
         return word
 
+    def complete(incomplete: str) -> list[str]:
+        return [word for word in words if word.startswith(incomplete)]
+
     return typer.Option(
-        metavar=f"[{'|'.join(words)}]",
+        metavar=metavar or f"[{'|'.join(words)}]",
         help=text,
         callback=check,
         show_default=show_default,
+        autocompletion=complete,
     )
+
+
+def examples(*lines: str) -> str:
+    """Give what the help of a command ends with; its lines stay as they are."""
+    return "\n".join(["\b", "Examples:", *(f"  {line}" for line in lines)])
+
+
+FORMATS = tuple(suffix[1:] for suffix in {**READERS, **WRITERS})
+FormatOption = Annotated[
+    str | None,
+    choice(
+        FORMATS,
+        "Format of the input whatever its name, or of the output where that alone is -: "
+        "csv, ply, ...",
+        "by the suffix",
+        "FORMAT",
+    ),
+]
+OutputFormatOption = Annotated[
+    str | None,
+    choice(
+        FORMATS, "Format of the output whatever its name.", "by the suffix", "FORMAT"
+    ),
+]
+ThreadsOption = Annotated[
+    int | None, typer.Option(min=1, show_default="all cores", help="Threads.")
+]
+JsonOption = Annotated[bool, typer.Option("--json", help="Report as a JSON object.")]
+
+
+def split_formats(
+    source: Path, output: Path | None, format: str | None, output_format: str | None
+) -> tuple[str | None, str | None]:
+    """Formats of the input and of the output; refuse streams without one."""
+    streams = is_standard(source), output is not None and is_standard(output)
+    if streams == (False, True) and output_format is None:
+        format, output_format = None, format
+    if streams[0] and format is None:
+        msg = "standard input needs a format, as in --format csv."
+        raise typer.BadParameter(msg, param_hint="'--format'")
+    if streams[1] and output_format is None:
+        name = "--output-format" if streams[0] else "--format"
+        msg = f"standard output needs a format, as in {name} ply."
+        raise typer.BadParameter(msg, param_hint=f"'{name}'")
+    return format, output_format
+
+
+def refuse_same_file(source: Path, output: Path, name: str = "--output") -> None:
+    """Refuse to write over the input."""
+    if is_standard(source) or is_standard(output):
+        return
+    if source.exists() and output.exists() and source.samefile(output):
+        msg = f"{output}: is the input, which would be lost"
+        raise typer.BadParameter(msg, param_hint=f"'{name}'")
+
+
+def print_report(
+    report: dict[str, Any],
+    table: Callable[[dict[str, Any]], Table],
+    *,
+    as_json: bool,
+    stderr: bool = False,
+) -> None:
+    """Print a report, to standard error where a mesh takes standard output."""
+    if as_json:
+        typer.echo(json.dumps(report, indent=2), err=stderr)
+    else:
+        Console(highlight=False, stderr=stderr).print(table(report))
 
 
 @contextlib.contextmanager
@@ -61,7 +142,7 @@ def describe(error: Exception) -> str:
     if isinstance(error, OSError) and error.strerror:
         where = f"{error.filename}: " if error.filename else ""
         return f"{where}{error.strerror}"
-    if isinstance(error, ValueError | TypeError | OSError) and str(error):
+    if isinstance(error, ValueError | TypeError | OSError | ImportError) and str(error):
         return str(error)
     if isinstance(error, MemoryError):
         return f"out of memory: {error}" if str(error) else "out of memory"

@@ -51,8 +51,8 @@ Source: TypeAlias = Annotated[
     Path,
     typer.Argument(
         metavar="INPUT",
-        help="Samples: .npy, .npz, .csv, .txt, .xyz, .ply, .obj, .off, .stl, .vtk "
-        "or .vtu.",
+        help="Samples: .npy, .npz, .csv, .txt, .xyz, .ply, .obj, .off, .stl, "
+        ".vtk, .vtu, .las or .laz; - is standard input.",
     ),
 ]
 Dim: TypeAlias = Annotated[
@@ -127,9 +127,6 @@ Edges: TypeAlias = Annotated[
 ]
 Search: TypeAlias = Annotated[
     str, choice(SEARCHES, "Search for the nearest neighbors.")
-]
-Threads: TypeAlias = Annotated[
-    int | None, typer.Option(min=1, show_default="all cores", help="Threads.")
 ]
 Quiet: TypeAlias = Annotated[
     bool, typer.Option("--quiet", "-q", help="No progress, table or warnings.")

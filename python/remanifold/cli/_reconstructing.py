@@ -41,6 +41,7 @@ def reconstruct_file(
     messages: Console,
     *,
     quiet: bool,
+    format: str | None,
 ) -> Done:
     """Read, find the dimension if asked to, and reconstruct.
 
@@ -53,7 +54,7 @@ def reconstruct_file(
     _check_num_neighbors(options, assumed)
     check_target(assumed, None)
     seconds: dict[str, float] = {}
-    points, seconds["read"] = timed(lambda: read_points(source))
+    points, seconds["read"] = timed(lambda: read_points(source, format=format))
     show_progress = messages.is_terminal and not quiet
     found: rm.DimensionEstimate | None = None
     if isinstance(dim, str):
@@ -77,13 +78,6 @@ def reconstruct_file(
         complaints.insert(0, low_confidence(found))
     warned = any(issubclass(w.category, rm.ManifoldWarning) for w in caught)
     return Done(rec, found, complaints, warned, seconds)
-
-
-def refuse_input(source: Path, output: Path) -> None:
-    """Refuse to write over the input."""
-    if source.exists() and output.exists() and source.samefile(output):
-        msg = f"{output}: is the input, which would be lost"
-        raise typer.BadParameter(msg, param_hint="'--output'")
 
 
 def _check_method(options: Options) -> None:

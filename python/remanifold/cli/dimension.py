@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import itertools
-import json
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -14,15 +13,26 @@ from rich.table import Table
 
 import remanifold as rm
 from remanifold.cli._common import (
+    FormatOption,
+    JsonOption,
+    ThreadsOption,
+    examples,
     failures,
     messages_console,
-    print_table,
+    print_report,
     rows_table,
     say,
+    split_formats,
     timed,
 )
 from remanifold.dimension import LOW_CONFIDENCE, SMALLEST_SCALE, low_confidence
 from remanifold.io import read_points
+
+EPILOG = examples(
+    "remanifold dimension points.npy",
+    "remanifold dimension points.csv --num-neighbors 40 --json",
+    "cat points.csv | remanifold dimension - --format csv",
+)
 
 
 def dimension(
@@ -37,12 +47,9 @@ def dimension(
             help="The scale to decide at, as neighbors per sample.",
         ),
     ] = None,
-    threads: Annotated[
-        int | None, typer.Option(min=1, show_default="all cores", help="Threads.")
-    ] = None,
-    as_json: Annotated[
-        bool, typer.Option("--json", help="Report as a JSON object.")
-    ] = False,
+    format: FormatOption = None,
+    threads: ThreadsOption = None,
+    as_json: JsonOption = False,
     quiet: Annotated[
         bool, typer.Option("--quiet", "-q", help="No progress or warnings.")
     ] = False,
@@ -50,7 +57,8 @@ def dimension(
     """Estimate the dimension of the manifold that the samples lie on."""
     messages = messages_console()
     with failures(messages):
-        points, seconds_read = timed(lambda: read_points(source))
+        format, _ = split_formats(source, None, format, None)
+        points, seconds_read = timed(lambda: read_points(source, format=format))
         found, seconds_found = timed(
             lambda: rm.estimate_dimension(
                 points,
@@ -69,10 +77,7 @@ def dimension(
         **dim_report(found),
         "seconds": {"read": seconds_read, "dimension": seconds_found},
     }
-    if as_json:
-        typer.echo(json.dumps(report, indent=2))
-    else:
-        print_table(_dim_table(report))
+    print_report(report, _dim_table, as_json=as_json)
 
 
 def dim_report(found: rm.DimensionEstimate) -> dict[str, Any]:

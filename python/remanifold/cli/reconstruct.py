@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from pathlib import Path
 from typing import Annotated, Any
@@ -13,12 +12,21 @@ from rich.table import Table
 
 import remanifold as rm
 from remanifold.cli._common import (
+    MAX_SIMPLICES_FOR_ALGEBRA,
+    FormatOption,
+    JsonOption,
+    OutputFormatOption,
+    ThreadsOption,
+    choice,
+    examples,
     failures,
     messages_console,
-    print_table,
+    print_report,
+    refuse_same_file,
     rows_table,
     say,
     simplex_names,
+    split_formats,
     timed,
 )
 from remanifold.cli._options import (
@@ -35,14 +43,20 @@ from remanifold.cli._options import (
     Search,
     Smooth,
     Source,
-    Threads,
 )
-from remanifold.cli._reconstructing import reconstruct_file, refuse_input
+from remanifold.cli._reconstructing import reconstruct_file
 from remanifold.cli.dimension import dim_report
 from remanifold.io import check_output, write_mesh
+from remanifold.io._source import is_standard
+from remanifold.io.writing import holds_fields
 
-# More would take longer than the reconstruction.
-MAX_SIMPLICES_FOR_ALGEBRA = 200_000
+EPILOG = examples(
+    "remanifold reconstruct scan.ply --dim 2 -o mesh.ply",
+    "remanifold reconstruct curve.csv -k 1 -o curve.vtu --json",
+    "remanifold reconstruct scan.laz -k auto -o mesh.npz --smooth auto",
+    "cat points.txt | remanifold reconstruct - --format txt -k 2 -o mesh.obj",
+    "remanifold reconstruct scan.ply -k 2 -o - --format off > mesh.off",
+)
 
 
 def reconstruct(
@@ -53,8 +67,9 @@ def reconstruct(
         typer.Option(
             "--output",
             "-o",
-            help="Mesh to write: .ply, .obj, .off, .stl, .vtk, .vtu, or .npz for any "
-            "dimension.",
+            help="Mesh to write: .ply, .obj, .off, .stl, .vtk, .vtu, .glb, .gltf, or "
+            ".npz for any dimension; - is standard output, and then the report goes to "
+            "standard error.",
         ),
     ],
     method: Method = "manifold",
@@ -73,10 +88,18 @@ def reconstruct(
     estimator: Estimator = None,
     edges: Edges = None,
     search: Search = "auto",
-    threads: Threads = None,
-    as_json: Annotated[
-        bool, typer.Option("--json", help="Report as a JSON object.")
-    ] = False,
+    fields: Annotated[
+        str,
+        choice(
+            ("auto", "none"),
+            "Write what is known of each sample (boundary, spacing, ...) where the "
+            "format holds it, or nothing.",
+        ),
+    ] = "auto",
+    format: FormatOption = None,
+    output_format: OutputFormatOption = None,
+    threads: ThreadsOption = None,
+    as_json: JsonOption = False,
     quiet: Quiet = False,
 ) -> None:
     """Reconstruct a manifold from samples and write it as a mesh."""
@@ -96,19 +119,29 @@ def reconstruct(
 
     def check_target(dim: int, ambient_dim: int | None) -> None:
         try:
-            check_output(output, dim, ambient_dim)
+            check_output(output, dim, ambient_dim, format=output_format)
         except ValueError as error:
             raise typer.BadParameter(str(error), param_hint="'--output'") from None
-        refuse_input(source, output)
+        refuse_same_file(source, output)
 
     with failures(messages):
+        format, output_format = split_formats(source, output, format, output_format)
         done = reconstruct_file(
-            source, dim, options, check_target, messages, quiet=quiet
+            source, dim, options, check_target, messages, quiet=quiet, format=format
         )
         rec = done.rec
         report = _report(rec)
         vertices: Any = rec.samples if keep_positions else rec.vertices
-        _, seconds_written = timed(lambda: write_mesh(output, vertices, rec.simplices))
+        kept = fields == "auto" and holds_fields(output, output_format)
+        _, seconds_written = timed(
+            lambda: write_mesh(
+                output,
+                vertices,
+                rec.simplices,
+                fields=rec.fields() if kept else None,
+                format=output_format,
+            )
+        )
 
     seconds = {**done.seconds, **report["seconds"], "write": seconds_written}
     if done.found is not None:
@@ -126,10 +159,9 @@ def reconstruct(
     if not quiet:
         for text in complaints:
             say(messages, f"warning: {text}", "yellow")
-    if as_json:
-        typer.echo(json.dumps(report, indent=2))
-    elif not quiet:
-        print_table(_table(report))
+    if as_json or not quiet:
+        taken = is_standard(output)
+        print_report(report, _table, as_json=as_json, stderr=taken)
 
 
 def _report(rec: rm.Reconstruction) -> dict[str, Any]:

@@ -12,7 +12,15 @@ from typing import Annotated
 import typer
 
 from remanifold._optional import load
-from remanifold.cli._common import failures, messages_console, say
+from remanifold.cli._common import (
+    FormatOption,
+    ThreadsOption,
+    examples,
+    failures,
+    messages_console,
+    refuse_same_file,
+    say,
+)
 from remanifold.cli._options import (
     Boundary,
     Dim,
@@ -27,10 +35,14 @@ from remanifold.cli._options import (
     Search,
     Smooth,
     Source,
-    Threads,
 )
-from remanifold.cli._reconstructing import reconstruct_file, refuse_input
+from remanifold.cli._reconstructing import reconstruct_file
 from remanifold.report_page import check_page, write_report
+
+EPILOG = examples(
+    "remanifold report scan.ply --dim 2 -o scan.html",
+    "remanifold report curve.csv -k auto -o curve.html --title Coastline",
+)
 
 
 def report(
@@ -52,7 +64,8 @@ def report(
     estimator: Estimator = None,
     edges: Edges = None,
     search: Search = "auto",
-    threads: Threads = None,
+    format: FormatOption = None,
+    threads: ThreadsOption = None,
     quiet: Quiet = False,
 ) -> None:
     """Reconstruct a manifold and show it on a page of HTML that needs no network."""
@@ -75,12 +88,12 @@ def report(
             check_page(output)
         except ValueError as error:
             raise typer.BadParameter(str(error), param_hint="'--output'") from None
-        refuse_input(source, output)
+        refuse_same_file(source, output)
 
     with failures(messages):
         load("plotly", "plot")
         done = reconstruct_file(
-            source, dim, options, check_target, messages, quiet=quiet
+            source, dim, options, check_target, messages, quiet=quiet, format=format
         )
         command = shlex.join([*_program(), *sys.argv[1:]])
         write_report(done.rec, output, title or source.name, command)

@@ -3,20 +3,21 @@
 
 from __future__ import annotations
 
-import warnings
 from pathlib import Path
 from typing import Annotated
 
-import numpy as np
 import typer
 
 import remanifold as rm
 from remanifold._scene import STYLES
-from remanifold.cli._common import choice, failures, messages_console
+from remanifold.cli._common import choice, examples, failures, messages_console
 from remanifold.plotting import BACKENDS
 
 COLORS = ("component", "boundary", "quality")
-CELLS = ("tetra", "triangle", "line", "vertex")
+EPILOG = examples(
+    "remanifold view mesh.ply",
+    "remanifold view mesh.npz --color component --screenshot mesh.png",
+)
 
 
 def view(
@@ -48,7 +49,7 @@ def view(
 ) -> None:
     """Show a mesh; beyond three dimensions, a projection that the picture names."""
     with failures(messages_console()):
-        complex = _read(source)
+        complex = rm.io.read_complex(source)
         if screenshot is not None and screenshot.suffix.lower() in (".html", ".htm"):
             backend = "plotly"
         rm.plot(
@@ -59,25 +60,3 @@ def view(
             title=source.name,
             screenshot=screenshot,
         )
-
-
-def _read(path: Path) -> rm.SimplicialComplex:
-    """Simplices of the highest dimension in a file."""
-    if path.suffix.lower() == ".npz":
-        with np.load(path) as arrays:
-            missing = {"points", "simplices"} - set(arrays.files)
-            if missing:
-                msg = f"{path}: has no array {' and no array '.join(sorted(missing))}"
-                raise ValueError(msg)
-            return rm.SimplicialComplex(arrays["points"], arrays["simplices"])
-    import meshio
-
-    rm.io.read_points(path)  # says in one line what is wrong with a file
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        mesh = meshio.read(path)
-    for kind in CELLS:
-        if kind in mesh.cells_dict:
-            return rm.SimplicialComplex(mesh.points, mesh.cells_dict[kind])
-    msg = f"{path}: has no simplices"
-    raise ValueError(msg)
