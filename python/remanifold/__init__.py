@@ -20,9 +20,12 @@ except ImportError as error:
 from remanifold import datasets, io
 from remanifold.cleaning import Smoothing, find_outliers, smooth
 from remanifold.dimension import DimensionEstimate, estimate_dimension
+from remanifold.embedding import Embedding, embed
 from remanifold.graphs import edge_graph
+from remanifold.plotting import plot
 from remanifold.quality import Quality, Reason
 from remanifold.reconstruction import Reconstruction, Repair, reconstruct
+from remanifold.report_page import write_report
 from remanifold.simplicial_complex import SimplicialComplex
 from remanifold.singularities import Place, Singularities, find_singularities
 from remanifold.steps import (
@@ -52,6 +55,7 @@ __all__ = [
     "DimensionEstimate",
     "DimensionWarning",
     "EdgeSets",
+    "Embedding",
     "FileWarning",
     "LocalRegions",
     "ManifoldWarning",
@@ -75,13 +79,16 @@ __all__ = [
     "datasets",
     "edge_graph",
     "edge_sets",
+    "embed",
     "estimate_dimension",
     "find_outliers",
     "find_singularities",
     "io",
     "local_regions",
     "neighborhoods",
+    "plot",
     "reconstruct",
     "smooth",
     "tangent_spaces",
+    "write_report",
 ]

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import functools
+import os
 import warnings
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -229,6 +230,23 @@ class Reconstruction(SimplicialComplex):
             f"simplices={len(self.simplices)}, method={self.method!r})"
         )
 
+    def report(
+        self,
+        path: str | os.PathLike[str],
+        title: str | None = None,
+        command: str | None = None,
+    ) -> None:
+        """Write a page that shows the result and says how far to trust it.
+
+        Parameters
+        ----------
+        path, title, command
+            As in `remanifold.write_report`.
+        """
+        from remanifold.report_page import write_report
+
+        write_report(self, path, title, command)
+
     @property
     def num_samples(self) -> int:
         """N, copies included."""
@@ -358,14 +376,6 @@ class Reconstruction(SimplicialComplex):
         if quality:
             fields |= {name: getattr(self.quality, name) for name in _QUALITY_FIELDS}
         return fields
-
-    @property
-    def _source(self) -> tuple[str, NDArray[np.float64]]:
-        """The samples as they were given."""
-        if self.vertices is not None:
-            return "points", self.vertices
-        assert self._products is not None
-        return self._products
 
 
 def reconstruct(

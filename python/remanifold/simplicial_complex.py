@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
+    from remanifold._validation import Kind
     from remanifold.io._source import StrPath
 
 
@@ -59,7 +60,7 @@ class SimplicialComplex(ReadOnlyArrays):
     vertices: NDArray[np.float64] | None
     simplices: NDArray[np.int32]
     # How the samples are known where they have no coordinates: "gram" or "distances".
-    _products: tuple[str, NDArray[np.float64]] | None = field(
+    _products: tuple[Kind, NDArray[np.float64]] | None = field(
         default=None, kw_only=True
     )
 
@@ -169,6 +170,23 @@ class SimplicialComplex(ReadOnlyArrays):
         """Component of each vertex, in order of lowest vertex; -1 in no simplex."""
         return _core.component_labels(self.simplices, self.num_vertices)
 
+    def plot(self, **options: Any) -> Any:
+        """Draw the complex, by PyVista, Plotly or Matplotlib.
+
+        Parameters
+        ----------
+        **options
+            Those of `remanifold.plot`: ``color=``, ``show_samples=``, ``screenshot=``,
+            ``backend=`` and others.
+
+        Returns
+        -------
+        pyvista.Plotter, plotly.graph_objects.Figure or matplotlib.figure.Figure
+        """
+        from remanifold.plotting import plot
+
+        return plot(self, **options)
+
     def topology(self, component: int | None = None) -> Topology:
         """Topology of the complex, computed once, or of one of its components.
 
@@ -196,6 +214,14 @@ class SimplicialComplex(ReadOnlyArrays):
         simplices = np.sort(self.simplices, axis=1)
         own = self.component_labels()[simplices[:, 0]] == index
         return topology_of(simplices[own], self.num_vertices)
+
+    @property
+    def _source(self) -> tuple[Kind, NDArray[np.float64]]:
+        """The positions, or the products as they were given."""
+        if self.vertices is not None:
+            return "points", self.vertices
+        assert self._products is not None
+        return self._products
 
     @functools.cached_property
     def _topology(self) -> Topology:

@@ -749,7 +749,7 @@ def test_import_is_light():
     loaded = done.stdout.split()
     assert "remanifold.steps" in loaded
     heavy = {"typer", "click", "rich", "meshio", "gudhi", "matplotlib", "scipy"}
-    heavy |= {"laspy", "networkx", "pyvista", "trimesh"}
+    heavy |= {"laspy", "networkx", "plotly", "pyvista", "trimesh", "vtkmodules"}
     assert not heavy.intersection(loaded)
 
 
@@ -801,7 +801,17 @@ def test_examples_in_docstrings(name):
     result = doctest.testmod(importlib.import_module(name))
     assert result.failed == 0
     with_examples = (
-        *("remanifold", "cleaning", "datasets", "dimension", "graphs", "io"),
+        *(
+            "remanifold",
+            "cleaning",
+            "datasets",
+            "dimension",
+            "embedding",
+            "plotting",
+            "report_page",
+            "graphs",
+            "io",
+        ),
         *("reconstruction", "simplicial_complex", "singularities", "steps"),
     )
     assert (result.attempted > 0) == (name.rpartition(".")[2] in with_examples)

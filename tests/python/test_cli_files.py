@@ -338,7 +338,7 @@ def test_help_has_examples_that_parse(command):
     ("words", "position", "expected"),
     [
         ("remanifold ", 1, {"reconstruct", "dimension", "info", "convert"}),
-        ("remanifold re", 1, {"reconstruct"}),
+        ("remanifold rec", 1, {"reconstruct"}),
         ("remanifold reconstruct a.ply --method ", 4, {"manifold", "paper"}),
         ("remanifold convert a.ply - --format vt", 5, {"vtk", "vtu"}),
     ],

@@ -17,7 +17,7 @@ from typing import Annotated
 import typer
 
 import remanifold as rm
-from remanifold.cli import convert, dimension, info, reconstruct
+from remanifold.cli import convert, dimension, info, reconstruct, report, view
 from remanifold.cli._common import examples
 
 __all__ = ["app", "main"]
@@ -67,5 +67,7 @@ for module, command in (
     (dimension, dimension.dimension),
     (info, info.info),
     (convert, convert.convert),
+    (report, report.report),
+    (view, view.view),
 ):
     app.command(epilog=module.EPILOG)(command)

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -12,12 +11,6 @@ import typer
 from rich.table import Table
 
 import remanifold as rm
-from remanifold._validation import (
-    check_int,
-    check_num_neighbors,
-    check_positive,
-    check_smooth,
-)
 from remanifold.cli._common import (
     MAX_SIMPLICES_FOR_ALGEBRA,
     FormatOption,
@@ -36,13 +29,26 @@ from remanifold.cli._common import (
     split_formats,
     timed,
 )
+from remanifold.cli._options import (
+    Boundary,
+    Dim,
+    Edges,
+    Estimator,
+    HoleRadius,
+    Method,
+    NumNeighbors,
+    Options,
+    Outliers,
+    Quiet,
+    Search,
+    Smooth,
+    Source,
+)
+from remanifold.cli._reconstructing import reconstruct_file
 from remanifold.cli.dimension import dim_report
-from remanifold.dimension import LOW_CONFIDENCE, low_confidence
-from remanifold.io import check_output, read_points, write_mesh
+from remanifold.io import check_output, write_mesh
 from remanifold.io._source import is_standard
 from remanifold.io.writing import holds_fields
-from remanifold.reconstruction import METHODS
-from remanifold.steps import EDGE_RULES, ESTIMATORS, SEARCHES
 
 EPILOG = examples(
     "remanifold reconstruct scan.ply --dim 2 -o mesh.ply",
@@ -51,58 +57,11 @@ EPILOG = examples(
     "cat points.txt | remanifold reconstruct - --format txt -k 2 -o mesh.obj",
     "remanifold reconstruct scan.ply -k 2 -o - --format off > mesh.off",
 )
-BOUNDARIES: dict[str, str | bool] = {"auto": "auto", "closed": False}
-
-
-def _dim_or_auto(text: str) -> int | str:
-    if text == "auto":
-        return text
-    try:
-        return check_int(int(text), "dim", minimum=1)
-    except ValueError:
-        msg = f"{text!r} is neither a positive integer nor 'auto'."
-        raise typer.BadParameter(msg) from None
-
-
-def _outliers(text: str) -> Any:
-    if text in ("auto", "keep"):
-        return {"auto": "auto", "keep": False}[text]
-    try:
-        return check_positive(float(text), "outliers")
-    except ValueError:
-        msg = f"{text!r} is neither auto, keep nor a positive number."
-        raise typer.BadParameter(msg) from None
-
-
-def _smooth(text: str) -> Any:
-    if text in ("no", "auto", "yes"):
-        return text
-    try:
-        return int(text)
-    except ValueError:
-        msg = f"{text!r} is neither no, auto, yes nor a number of neighbors."
-        raise typer.BadParameter(msg) from None
 
 
 def reconstruct(
-    source: Annotated[
-        Path,
-        typer.Argument(
-            metavar="INPUT",
-            help="Samples: .npy, .npz, .csv, .txt, .xyz, .ply, .obj, .off, .stl, "
-            ".vtk, .vtu, .las or .laz; - is standard input.",
-        ),
-    ],
-    dim: Annotated[
-        Any,
-        typer.Option(
-            "--dim",
-            "-k",
-            parser=_dim_or_auto,
-            metavar="[INTEGER|auto]",
-            help="Dimension K of the manifold, or auto: estimated from the samples.",
-        ),
-    ],
+    source: Source,
+    dim: Dim,
     output: Annotated[
         Path,
         typer.Option(
@@ -113,43 +72,11 @@ def reconstruct(
             "standard error.",
         ),
     ],
-    method: Annotated[
-        str, choice(METHODS, "Closed up to a manifold, or the paper's complex.")
-    ] = "manifold",
-    boundary: Annotated[
-        str,
-        choice(
-            tuple(BOUNDARIES),
-            "Manifold method: leave wide holes open, or close everything.",
-        ),
-    ] = "auto",
-    hole_radius: Annotated[
-        float | None,
-        typer.Option(
-            show_default="by how evenly the samples lie",
-            help="Manifold method: radius of the smallest hole left open, in units of "
-            "the distance to the (2K+2)-th neighbor.",
-        ),
-    ] = None,
-    outliers: Annotated[
-        Any,
-        typer.Option(
-            parser=_outliers,
-            metavar="[auto|keep|DISTANCE]",
-            show_default="auto, or keep for paper",
-            help="Leave out samples at least so many local scales away from what the "
-            "others show (auto: 2), or keep all.",
-        ),
-    ] = None,
-    smooth: Annotated[
-        Any,
-        typer.Option(
-            parser=_smooth,
-            metavar="[no|auto|yes|NEIGHBORS]",
-            help="Move noisy samples onto the manifold first: auto where there is "
-            "noise, yes in any case, or by fits to so many neighbors.",
-        ),
-    ] = "no",
+    method: Method = "manifold",
+    boundary: Boundary = "auto",
+    hole_radius: HoleRadius = None,
+    outliers: Outliers = None,
+    smooth: Smooth = "no",
     keep_positions: Annotated[
         bool,
         typer.Option(
@@ -157,32 +84,10 @@ def reconstruct(
             help="Write the samples where they were, not where they were moved to.",
         ),
     ] = False,
-    num_neighbors: Annotated[
-        int | None,
-        typer.Option(
-            show_default="3 K (K + 3) / 2, or 10 K for paper",
-            help="Neighbors per sample for the tangent spaces.",
-        ),
-    ] = None,
-    estimator: Annotated[
-        str | None,
-        choice(
-            ESTIMATORS,
-            "Estimator of the tangent spaces.",
-            "jet, or enclosure for paper",
-        ),
-    ] = None,
-    edges: Annotated[
-        str | None,
-        choice(
-            EDGE_RULES,
-            "Paper's method: keep edges seen from both ends, or from either.",
-            "mutual",
-        ),
-    ] = None,
-    search: Annotated[
-        str, choice(SEARCHES, "Search for the nearest neighbors.")
-    ] = "auto",
+    num_neighbors: NumNeighbors = None,
+    estimator: Estimator = None,
+    edges: Edges = None,
+    search: Search = "auto",
     fields: Annotated[
         str,
         choice(
@@ -195,51 +100,36 @@ def reconstruct(
     output_format: OutputFormatOption = None,
     threads: ThreadsOption = None,
     as_json: JsonOption = False,
-    quiet: Annotated[
-        bool, typer.Option("--quiet", "-q", help="No progress, table or warnings.")
-    ] = False,
+    quiet: Quiet = False,
 ) -> None:
     """Reconstruct a manifold from samples and write it as a mesh."""
     messages = messages_console()
-    found: rm.DimensionEstimate | None = None
-    seconds: dict[str, float] = {}
-    with failures(messages):
-        _check_method(method, boundary, hole_radius, edges)
-        format, output_format = split_formats(source, output, format, output_format)
-        # Every mesh format holds triangles.
-        first = 2 if dim == "auto" else dim
-        _check_usage(output, output_format, first, num_neighbors, "no")
+    options = Options(
+        method=method,
+        boundary=boundary,
+        hole_radius=hole_radius,
+        outliers=outliers,
+        smooth=smooth,
+        num_neighbors=num_neighbors,
+        estimator=estimator,
+        edges=edges,
+        search=search,
+        threads=threads,
+    )
+
+    def check_target(dim: int, ambient_dim: int | None) -> None:
+        try:
+            check_output(output, dim, ambient_dim, format=output_format)
+        except ValueError as error:
+            raise typer.BadParameter(str(error), param_hint="'--output'") from None
         refuse_same_file(source, output)
-        points, seconds["read"] = timed(lambda: read_points(source, format=format))
-        show_progress = messages.is_terminal and not quiet
-        if dim == "auto":
-            found, seconds["dimension"] = timed(
-                lambda: rm.estimate_dimension(
-                    points, num_threads=threads, progress=show_progress
-                )
-            )
-            dim = found.dim
-            if found.confidence >= LOW_CONFIDENCE and not quiet:
-                say(messages, found.verdict, "none")
-        ambient = points.shape[1]
-        _check_usage(output, output_format, dim, num_neighbors, smooth, ambient)
-        with warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always", rm.RemanifoldWarning)
-            rec = rm.reconstruct(
-                points,
-                dim,
-                method=method,
-                boundary=BOUNDARIES[boundary],
-                hole_radius=hole_radius,
-                outliers=outliers,
-                smooth={"no": False, "yes": True}.get(smooth, smooth),
-                num_neighbors=num_neighbors,
-                estimator=estimator,
-                edges=edges,
-                search=search,
-                num_threads=threads,
-                progress=show_progress,
-            )
+
+    with failures(messages):
+        format, output_format = split_formats(source, output, format, output_format)
+        done = reconstruct_file(
+            source, dim, options, check_target, messages, quiet=quiet, format=format
+        )
+        rec = done.rec
         report = _report(rec)
         vertices: Any = rec.samples if keep_positions else rec.vertices
         kept = fields == "auto" and holds_fields(output, output_format)
@@ -253,14 +143,10 @@ def reconstruct(
             )
         )
 
-    seconds = {**seconds, **report["seconds"], "write": seconds_written}
-    complaints = [str(warning.message) for warning in caught]
-    if found is not None:
-        report["dim_estimate"] = dim_report(found)
-        if found.confidence < LOW_CONFIDENCE:
-            complaints.insert(0, low_confidence(found))
-    warned = any(issubclass(w.category, rm.ManifoldWarning) for w in caught)
-    complaints += _complaints(report, warned)
+    seconds = {**done.seconds, **report["seconds"], "write": seconds_written}
+    if done.found is not None:
+        report["dim_estimate"] = dim_report(done.found)
+    complaints = done.complaints + _complaints(report, done.warned)
     paper = method == "paper"
     report = {
         "input": str(source),
@@ -276,50 +162,6 @@ def reconstruct(
     if as_json or not quiet:
         taken = is_standard(output)
         print_report(report, _table, as_json=as_json, stderr=taken)
-
-
-def _check_method(
-    method: str, boundary: str, hole_radius: float | None, edges: str | None
-) -> None:
-    """Refuse what the method does not have."""
-    if method == "manifold" and edges is not None:
-        msg = "is for --method paper only."
-        raise typer.BadParameter(msg, param_hint="'--edges'")
-    if method == "paper" and boundary != "auto":
-        msg = "is for --method manifold only."
-        raise typer.BadParameter(msg, param_hint="'--boundary'")
-    if method == "paper" and hole_radius is not None:
-        msg = "is for --method manifold only."
-        raise typer.BadParameter(msg, param_hint="'--hole-radius'")
-    try:
-        if hole_radius is not None:
-            check_positive(hole_radius, "hole_radius")
-    except ValueError as error:
-        raise typer.BadParameter(str(error), param_hint="'--hole-radius'") from None
-
-
-def _check_usage(
-    output: Path,
-    output_format: str | None,
-    dim: int,
-    num_neighbors: int | None,
-    smooth: str | int,
-    ambient_dim: int | None = None,
-) -> None:
-    """Refuse what cannot work, before the work."""
-    try:
-        if isinstance(smooth, int):
-            check_smooth(smooth, dim)
-    except ValueError as error:
-        raise typer.BadParameter(str(error), param_hint="'--smooth'") from None
-    try:
-        check_num_neighbors(num_neighbors, dim)
-    except ValueError as error:
-        raise typer.BadParameter(str(error), param_hint="'--num-neighbors'") from None
-    try:
-        check_output(output, dim, ambient_dim, format=output_format)
-    except ValueError as error:
-        raise typer.BadParameter(str(error), param_hint="'--output'") from None
 
 
 def _report(rec: rm.Reconstruction) -> dict[str, Any]:
