@@ -16,11 +16,12 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 VENV := .venv
 BIN := $(VENV)/bin
 BUILD := build/python
-EXTRAS := plot test
+EXTRAS := gallery plot test
 TESTS := ON
 MORE_PACKAGES :=
 ENVIRONMENT := $(VENV)/.environment
 LINTERS := $(VENV)/.linters
+DOCUMENTERS := $(VENV)/.documenters
 PACKAGE := $(VENV)/.package
 
 # The C++ tests and the benchmarks share the build of the Python module: the core is
@@ -36,7 +37,7 @@ SOURCES := CMakeLists.txt README.md pyproject.toml $(shell find cpp python tests
 
 .NOTPARALLEL:
 .PHONY: all demo test test-cpp test-python test-consumers bench bench-docs bench-steps \
-  side-by-side side-by-side-docs wheel lint format system-packages clean distclean
+  side-by-side side-by-side-docs docs wheel lint format system-packages clean distclean
 
 all: $(PACKAGE)
 
@@ -52,7 +53,7 @@ test-consumers: $(PACKAGE)
 	tests/consumers/run.sh $(BUILD)
 
 test-python: $(PACKAGE)
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n $(JOBS) --maxprocesses 4
 
 # Beside its peers. make bench ARGS="--shape torus --samples 10000,100000 --json FILE"
 bench:
@@ -91,8 +92,14 @@ side-by-side-docs: $(PACKAGE)
 bench-steps: $(PACKAGE)
 	$(BUILD)/benchmarks/remanifold_bench $(ARGS)
 
+# The pages as a site, build/docs/index.html; needs no network.
+docs: $(PACKAGE) $(DOCUMENTERS)
+	rm -rf build/docs
+	$(BIN)/python -m sphinx -W --keep-going -q -b html -d build/doctrees docs build/docs
+	@echo "docs: $$(find build/docs -name '*.html' | wc -l) pages, no warnings"
+
 wheel: $(ENVIRONMENT) | system-packages
-	.ci/wheel.sh $(BIN) $(BUILD_SETTINGS)
+	.ci/wheel.sh $(BIN)
 
 lint: $(ENVIRONMENT) $(LINTERS)
 	.ci/lint.sh $(BIN)
@@ -115,6 +122,11 @@ $(ENVIRONMENT): pyproject.toml .ci/requirements.py | $(BIN)/python
 
 $(LINTERS): pyproject.toml .ci/requirements.py | $(BIN)/python
 	$(BIN)/python .ci/requirements.py dev \
+	  | xargs -d '\n' $(BIN)/python -m pip install
+	touch $@
+
+$(DOCUMENTERS): pyproject.toml .ci/requirements.py | $(BIN)/python
+	$(BIN)/python .ci/requirements.py docs \
 	  | xargs -d '\n' $(BIN)/python -m pip install
 	touch $@
 

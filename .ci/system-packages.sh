@@ -44,6 +44,8 @@ if command -v dpkg-query >/dev/null; then
   # The wheel of pymeshlab, which the tests and the demo use, expects these two.
   need_package libgl1
   need_package libopengl0
+  # And this one PyVista, to draw without a display.
+  need_package libegl1
   for package in "${@:2}"; do
     need_package "$package"
   done

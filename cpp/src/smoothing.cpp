@@ -22,7 +22,9 @@ constexpr Index kProbes = 400;
 constexpr double kSizes[] = {1.5, 2, 3, 4.5, 7, 10, 15, 22, 33, 50, 75};
 /// No neighborhood holds a larger share of the samples.
 constexpr Index kLargestShare = 4;
-/// Where predictions have become this much worse, larger neighborhoods are not tried.
+/// Where predictions have become this much worse, and the samples lie farther off their
+/// quadrics than the best prediction, larger neighborhoods are not tried. Predictions by
+/// few of very noisy samples alone are no reason to stop: now and then they extrapolate.
 constexpr double kHopeless = 1.3;
 /// The worst predictions do not count, for a few outliers; no more, since the worst show
 /// where neighborhoods are too small to know the tangent space.
@@ -199,7 +201,7 @@ class Smoother {
         best.error = error;
         best.num_neighbors = count;
         best.noise = noise;
-      } else if (!(error < kHopeless * best.error)) {
+      } else if (!(error < kHopeless * best.error) && !(noise < best.error)) {
         break;
       }
     }

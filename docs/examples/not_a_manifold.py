@@ -21,6 +21,7 @@ SEEDS = 10
 FIGURES = Path(__file__).resolve().parents[1] / "figures"
 T_SHAPE = (0.0, np.pi / 2, np.pi)
 EIGHT, BALLS, PAGES = datasets.figure_eight, datasets.crossing_balls, datasets.branching
+T_OF_LINES = partial(PAGES, angles=T_SHAPE)
 
 
 def row(*cells):
@@ -53,8 +54,8 @@ FOUND = (
     ("figure eight, 30 degrees", eight(30), 1, (150, 600)),
     ("figure eight, spread evenly", partial(even, EIGHT), 1, (150, 600)),
     ("Y of lines", PAGES, 1, (150, 600)),
-    ("T of lines", partial(PAGES, angles=T_SHAPE), 1, (150, 600)),
-    ("T of lines, spread evenly", partial(even, PAGES), 1, (150, 600)),
+    ("T of lines", T_OF_LINES, 1, (150, 600)),
+    ("T of lines, spread evenly", partial(even, T_OF_LINES), 1, (150, 600)),
     ("two discs, 90 degrees", turned(90), 2, (1000, 4000)),
     ("two discs, 60 degrees", turned(60), 2, (1000, 4000)),
     ("two discs, 45 degrees", turned(45), 2, (1000, 4000)),

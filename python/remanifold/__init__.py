@@ -20,10 +20,14 @@ except ImportError as error:
 from remanifold import datasets, io
 from remanifold.cleaning import Smoothing, find_outliers, smooth
 from remanifold.dimension import DimensionEstimate, estimate_dimension
+from remanifold.embedding import Embedding, embed
+from remanifold.graphs import edge_graph
 from remanifold.parts import Subcomplex
+from remanifold.plotting import plot
 from remanifold.projection import PointsOnComplex, Projection
 from remanifold.quality import Quality, Reason
 from remanifold.reconstruction import Reconstruction, Repair, reconstruct
+from remanifold.report_page import write_report
 from remanifold.simplicial_complex import SimplicialComplex
 from remanifold.singularities import Place, Singularities, find_singularities
 from remanifold.steps import (
@@ -41,6 +45,7 @@ from remanifold.steps import (
 from remanifold.topology import Topology, compute_topology
 from remanifold.warnings import (
     DimensionWarning,
+    FileWarning,
     ManifoldWarning,
     RecallWarning,
     RemanifoldWarning,
@@ -52,6 +57,8 @@ __all__ = [
     "DimensionEstimate",
     "DimensionWarning",
     "EdgeSets",
+    "Embedding",
+    "FileWarning",
     "LocalRegions",
     "ManifoldWarning",
     "Neighborhoods",
@@ -75,14 +82,18 @@ __all__ = [
     "clique_complex",
     "compute_topology",
     "datasets",
+    "edge_graph",
     "edge_sets",
+    "embed",
     "estimate_dimension",
     "find_outliers",
     "find_singularities",
     "io",
     "local_regions",
     "neighborhoods",
+    "plot",
     "reconstruct",
     "smooth",
     "tangent_spaces",
+    "write_report",
 ]

@@ -489,3 +489,26 @@ def _check_hermitian(matrix: NDArray[Any], name: str) -> None:
             f"{expected}"
         )
         raise ValueError(msg)
+
+
+def check_complex(value: Any, name: str = "complex") -> None:
+    """Refuse what is no complex in space."""
+    from remanifold.simplicial_complex import SimplicialComplex
+
+    if not isinstance(value, SimplicialComplex):
+        msg = f"{name} must be a SimplicialComplex, got {type(value).__name__}"
+        raise TypeError(msg)
+
+
+def check_vertex_values(
+    values: ArrayLike, name: str, num_vertices: int
+) -> NDArray[np.float64]:
+    """One number a vertex; NaN and infinity are allowed."""
+    array = _as_float(values, name)
+    if array.shape != (num_vertices,):
+        msg = (
+            f"{name} has shape {array.shape}, expected a number for each of the "
+            f"{num_vertices} vertices, ({num_vertices},)"
+        )
+        raise ValueError(msg)
+    return array

@@ -702,7 +702,7 @@ def concentric_spheres(
     Parameters
     ----------
     num_samples : int
-        Number of samples on both together, above 4 pi ``spacings``^2.
+        Number of samples on both together, above ``4 pi spacings^2``.
     spacings : float
         Distance between the spheres in units of the mean spacing, the square root of
         the area per sample; that is twice the mean distance to the nearest neighbor.
@@ -1685,6 +1685,7 @@ class Shape:
         return sum((-1) ** k * b for k, b in enumerate(self.betti_numbers))
 
 
+#: Manifolds with known topology, by name.
 SHAPES: dict[str, Shape] = {
     "circle": Shape(circle, 1, 2, (1, 1)),
     "ellipse": Shape(ellipse, 1, 2, (1, 1)),
@@ -1753,6 +1754,7 @@ SHAPES: dict[str, Shape] = {
     "bent_ball": Shape(bent_ball, 3, 4, (1, 0, 0, 0), closed=False),
 }
 
+#: Names in `SHAPES` of the manifolds of figures 3 to 9 of Freedman (2002).
 FIGURES: dict[int, str] = {
     3: "planar_curve",
     4: "planar_curves",

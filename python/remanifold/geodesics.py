@@ -29,6 +29,10 @@ def geodesic_distances(
     """Distances, as `SimplicialComplex.geodesic_distances` describes them."""
     check_choice(method, "method", METHODS)
     indices = _check_sources(complex_, sources)
+    if complex_.vertices is None:
+        from remanifold.simplicial_complex import SimplicialComplex as Placed
+
+        complex_ = Placed(complex_.coordinates, complex_.simplices)
     if method == "auto":
         method = "graph" if complex_.dim < 2 else "heat"
     if method == "graph" or complex_.dim < 2:  # edges are all that there is
@@ -85,9 +89,12 @@ def _check_sources(
 def _along_edges(
     complex_: SimplicialComplex, sources: NDArray[np.int32]
 ) -> NDArray[np.float64]:
-    graph = edge_graph(complex_)  # says what to install
-    from scipy.sparse.csgraph import dijkstra
-
+    try:
+        from scipy.sparse.csgraph import dijkstra
+    except ImportError as error:
+        msg = "distances along edges need SciPy: pip install remanifold[geodesic]"
+        raise ImportError(msg) from error
+    graph = edge_graph(complex_)
     if len(sources) == 0:
         return np.empty((0, complex_.num_vertices))
     distances: NDArray[np.float64] = dijkstra(graph, directed=False, indices=sources)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The edges of a complex as a sparse matrix."""
+"""The graph of the edges of a complex."""
 
 from __future__ import annotations
 
@@ -7,35 +7,61 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from remanifold._validation import check_complex
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from remanifold.simplicial_complex import SimplicialComplex
 
-
-def edge_lengths(complex_: SimplicialComplex) -> NDArray[np.float64]:
-    """Length of each edge."""
-    edges = complex_.edges
-    coordinates = complex_.coordinates
-    block = max(1, 2**21 // coordinates.shape[1])
-    lengths = np.empty(len(edges))
-    for start in range(0, len(edges), block):
-        tail, head = edges[start : start + block].T
-        lengths[start : start + block] = np.linalg.norm(
-            coordinates[head] - coordinates[tail], axis=1
-        )
-    return lengths
+__all__ = ["edge_graph"]
 
 
-def edge_graph(complex_: SimplicialComplex) -> Any:
-    """Symmetric scipy.sparse.csr_matrix, (N, N), of the lengths of the edges."""
+def edge_graph(complex: SimplicialComplex) -> Any:
+    """Graph of the edges, with their lengths, as SciPy's graph routines take it.
+
+    Parameters
+    ----------
+    complex : SimplicialComplex
+        Its vertices must have coordinates.
+
+    Returns
+    -------
+    scipy.sparse.csr_array, shape (N, N), float64
+        Symmetric; entry (i, j) is the length of the edge. An edge of length zero is an
+        entry that is stored.
+
+    Raises
+    ------
+    ValueError
+        The complex has no coordinates.
+    ImportError
+        SciPy is not installed.
+
+    Examples
+    --------
+    >>> import remanifold as rm
+    >>> path = rm.SimplicialComplex([[0, 0], [3, 4], [3, 5]], [[0, 1], [1, 2]])
+    >>> rm.edge_graph(path).toarray().tolist()
+    [[0.0, 5.0, 0.0], [5.0, 0.0, 1.0], [0.0, 1.0, 0.0]]
+    """
     try:
-        from scipy.sparse import csr_matrix
+        from scipy.sparse import csr_array
     except ImportError as error:
-        msg = "graphs need SciPy: pip install remanifold[geodesic]"
+        msg = "the graph of the edges needs SciPy: pip install remanifold[graph]"
         raise ImportError(msg) from error
-    edges, lengths = complex_.edges, edge_lengths(complex_)
-    rows = np.concatenate([edges[:, 0], edges[:, 1]])
-    columns = np.concatenate([edges[:, 1], edges[:, 0]])
-    count = complex_.num_vertices
-    return csr_matrix((np.tile(lengths, 2), (rows, columns)), shape=(count, count))
+    check_complex(complex)
+    i, j = complex.edges.T
+    lengths = edge_lengths(complex)
+    rows, columns = np.concatenate([i, j]), np.concatenate([j, i])
+    shape = (complex.num_vertices, complex.num_vertices)
+    return csr_array((np.tile(lengths, 2), (rows, columns)), shape=shape)
+
+
+def edge_lengths(complex: SimplicialComplex) -> NDArray[np.float64]:
+    """Lengths of `edges`, in their order."""
+    if complex.vertices is None:
+        msg = "complex has no coordinates, and so its edges have no known lengths"
+        raise ValueError(msg)
+    i, j = complex.edges.T
+    return np.asarray(np.linalg.norm(complex.vertices[i] - complex.vertices[j], axis=1))

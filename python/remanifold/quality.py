@@ -46,7 +46,7 @@ class Quality(ReadOnlyArrays):
         neighbors. NaN where there are too few.
     reach : ndarray, shape (N,), float64
         Least distance to the medial axis by Federer's formula, 1 / reach = max over q of
-        2 d(q - x, T_x) / |q - x|^2, over the same neighbors: curvature bounds it, and so
+        ``2 d(q - x, T_x) / |q - x|^2``, over the same neighbors: curvature bounds it, and so
         do sheets nearby. Infinite where the neighborhood is flat, NaN without a tangent
         space. Where the sampling is sparse it is an upper bound at best.
     sampling_ratio : ndarray, shape (N,), float64
@@ -174,8 +174,8 @@ _CURVES = _Limits(
     some_gap=-2,
     some_ratio=2.45,
     some_confidence=0.4,
-    scatter=0.2,
-    some_scatter=0.14,
+    scatter=0.4,
+    some_scatter=0.3,
 )
 _SURFACES = _Limits(
     folded=4,
@@ -237,6 +237,9 @@ MOST_FOLD = 176.0  # degrees that noise may account for, with the limit itself
 MOST_NOISE = 0.2  # over the spacing, beyond which it is no longer told from sparsity
 MANY_OUTLIERS = 0.05  # share of the samples
 FEW = 20_000  # samples among which crossings are looked for without a sign
+LONG_EDGE = 1.2  # spacings
+MOST_LONG_EDGES = 50  # that are looked at
+CROSSING = 0.5  # distance of a sample from the middle over half the length
 LEAST_GAPS = 30  # samples from which the evenness is judged
 ENOUGH = 1.0  # spacing over reach that is asked for when recommending
 
@@ -285,6 +288,17 @@ class _Findings:
         if self.kind == "gram":
             return np.asarray(matrix[a, a] + matrix[b, b] - 2 * matrix[a, b])
         return np.asarray(matrix[a, b] ** 2)
+
+    def squared_distances_to_middle(self, a: int, b: int) -> NDArray[np.float64]:
+        """Of all samples, from the middle between two."""
+        matrix = self.matrix
+        if self.kind == "points":
+            middle = (matrix[a] + matrix[b]) / 2
+            return np.asarray(((matrix - middle) ** 2).sum(axis=1))
+        if self.kind == "gram":
+            middle_norm = (matrix[a, a] + matrix[b, b] + 2 * matrix[a, b]) / 4
+            return np.asarray(np.diagonal(matrix) + middle_norm - matrix[a] - matrix[b])
+        return np.asarray((matrix[a] ** 2 + matrix[b] ** 2) / 2 - matrix[a, b] ** 2 / 4)
 
     def quantile(self, values: NDArray[np.float64], q: float) -> float:
         known = values[self.own & np.isfinite(values)]
@@ -441,6 +455,7 @@ def _signs(found: _Findings) -> Iterator[_Sign]:
     if not few:
         yield from _not_a_manifold(found)
         yield from _strange_neighbors(found)
+        yield from _crossings(found)
         yield from _folds(found)
         yield from _gaps(found)
         yield from _openings(found)
@@ -536,6 +551,32 @@ def _strange_neighbors(found: _Findings) -> Iterator[_Sign]:
             "together than the samples on them",
             near,
             float(np.median(2 / distance[near])) / ENOUGH,
+        )
+
+
+def _crossings(found: _Findings) -> Iterator[_Sign]:
+    """Long edges of a curve that run right by samples elsewhere on it."""
+    edges = found.simplices
+    if found.dim != 1 or len(edges) == 0:
+        return
+    lengths = np.sqrt(found.squared_distances(edges[:, 0], edges[:, 1]))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        relative = lengths / found.spacing[edges].mean(axis=1)
+    longest = np.argsort(-relative, kind="stable")[:MOST_LONG_EDGES]
+    crossing = []
+    for e in longest[relative[longest] > LONG_EDGE].tolist():
+        ends = edges[e]
+        squared = found.squared_distances_to_middle(*ends.tolist())
+        at_ends = (edges == ends[0]) | (edges == ends[1])
+        squared[edges[at_ends.any(axis=1)].ravel()] = np.inf
+        if squared[found.own].min() < (CROSSING * lengths[e] / 2) ** 2:
+            crossing.append(ends)
+    if crossing:
+        yield _Sign(
+            True,
+            f"{_count(len(crossing), 'edge')} longer than the spacing right by other "
+            "samples: parts of the manifold may have been joined that are not",
+            np.unique(crossing).astype(np.int64),
         )
 
 

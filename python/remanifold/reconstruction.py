@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import functools
+import os
 import warnings
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -28,6 +29,7 @@ from remanifold._validation import (
 )
 from remanifold.cleaning import as_points, smoothing_of
 from remanifold.dimension import find_dimension
+from remanifold.io.writing import holds_fields
 from remanifold.quality import Quality, assess
 from remanifold.simplicial_complex import SimplicialComplex
 from remanifold.steps import (
@@ -42,12 +44,19 @@ from remanifold.steps import (
 from remanifold.warnings import ManifoldWarning
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from numpy.typing import ArrayLike, NDArray
 
     from remanifold._progress import Callback
     from remanifold.cleaning import Smoothing
+    from remanifold.io._source import StrPath
 
 METHODS = ("manifold", "paper")
+_QUALITY_FIELDS = (
+    *("spacing", "curvature", "reach", "sampling_ratio", "tangent_confidence"),
+    *("disputed", "fold", "gap", "doubtful"),
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -221,6 +230,23 @@ class Reconstruction(SimplicialComplex):
             f"simplices={len(self.simplices)}, method={self.method!r})"
         )
 
+    def report(
+        self,
+        path: str | os.PathLike[str],
+        title: str | None = None,
+        command: str | None = None,
+    ) -> None:
+        """Write a page that shows the result and says how far to trust it.
+
+        Parameters
+        ----------
+        path, title, command
+            As in `remanifold.write_report`.
+        """
+        from remanifold.report_page import write_report
+
+        write_report(self, path, title, command)
+
     @property
     def num_samples(self) -> int:
         """N, copies included."""
@@ -289,13 +315,67 @@ class Reconstruction(SimplicialComplex):
         """
         return assess(self)
 
-    @property
-    def _source(self) -> tuple[str, NDArray[np.float64]]:
-        """The samples as they were given."""
-        if self.vertices is not None:
-            return "points", self.vertices
-        assert self._products is not None
-        return self._products
+    def write(
+        self,
+        path: StrPath,
+        fields: str | Mapping[str, ArrayLike] | None = "auto",
+        *,
+        format: str | None = None,
+    ) -> None:
+        """Write the complex to a file; its suffix names the format.
+
+        Parameters
+        ----------
+        path : str or path-like
+            The file, see `SimplicialComplex.write`.
+        fields : "auto", "all", None or mapping of str to array_like
+            Values at the vertices. "auto": those of `fields` that cost nothing, where
+            the format has fields. "all": those of `quality` too, which takes about as
+            long as the reconstruction if it has not been asked for before.
+        format : str, optional
+            The format by its suffix, such as "ply", whatever the name of the file.
+
+        Raises
+        ------
+        ValueError
+            If the format cannot hold the complex or the fields.
+        OSError
+            If the file cannot be written. Nothing is left behind.
+        """
+        if isinstance(fields, str):
+            check_choice(fields, "fields", ("auto", "all"))
+            if fields == "all" or holds_fields(path, format):
+                fields = self.fields(quality=True if fields == "all" else None)
+            else:
+                fields = None
+        super().write(path, fields, format=format)
+
+    def fields(self, *, quality: bool | None = None) -> dict[str, NDArray[Any]]:
+        """Values at the vertices, by their names, as files and viewers take them.
+
+        Parameters
+        ----------
+        quality : bool, optional
+            With the arrays of `quality`: by default if it has been computed already.
+
+        Returns
+        -------
+        dict of str to ndarray
+            Arrays of shape (N,). Always ``boundary`` and ``outlier``; with `quality`
+            ``spacing``, ``curvature``, ``reach``, ``sampling_ratio``,
+            ``tangent_confidence``, ``disputed``, ``fold``, ``gap`` and ``doubtful``.
+        """
+        outlier = np.zeros(self.num_samples, dtype=np.bool_)
+        outlier[self.outliers] = True
+        fields: dict[str, NDArray[Any]] = {
+            "boundary": self.boundary,
+            "outlier": outlier,
+        }
+        if quality is None:
+            quality = "quality" in vars(self)
+        if quality:
+            fields |= {name: getattr(self.quality, name) for name in _QUALITY_FIELDS}
+        return fields
 
 
 def reconstruct(

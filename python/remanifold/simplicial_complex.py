@@ -9,15 +9,21 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from remanifold import _core, geodesics, projection, scaling
+from remanifold import _core, geodesics, interoperability, projection, scaling
 from remanifold._read_only import ReadOnlyArrays
 from remanifold._validation import check_cells, check_int, check_points
+from remanifold.graphs import edge_graph
+from remanifold.io import write_complex
 from remanifold.topology import Topology, topology_of
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from numpy.typing import ArrayLike, NDArray
 
     from remanifold._progress import Callback
+    from remanifold._validation import Kind
+    from remanifold.io._source import StrPath
     from remanifold.parts import Subcomplex
     from remanifold.projection import PointsOnComplex, Projection
 
@@ -57,7 +63,7 @@ class SimplicialComplex(ReadOnlyArrays):
     vertices: NDArray[np.float64] | None
     simplices: NDArray[np.int32]
     # How the samples are known where they have no coordinates: "gram" or "distances".
-    _products: tuple[str, NDArray[np.float64]] | None = field(
+    _products: tuple[Kind, NDArray[np.float64]] | None = field(
         default=None, kw_only=True
     )
 
@@ -106,6 +112,63 @@ class SimplicialComplex(ReadOnlyArrays):
         edges.flags.writeable = False
         return edges
 
+    def write(
+        self,
+        path: StrPath,
+        fields: Mapping[str, ArrayLike] | None = None,
+        *,
+        format: str | None = None,
+    ) -> None:
+        """Write the complex to a file; its suffix names the format.
+
+        Parameters
+        ----------
+        path : str or path-like
+            The file: ``.ply``, ``.obj``, ``.off``, ``.stl``, ``.vtk``, ``.vtu``,
+            ``.glb``, ``.gltf``, or ``.npz`` for any K and D. See `io.write_mesh`.
+        fields : mapping of str to array_like, optional
+            Values at the vertices, of shape (N,) or (N, C): numbers or bool.
+        format : str, optional
+            The format by its suffix, such as "ply", whatever the name of the file.
+
+        Raises
+        ------
+        ValueError
+            If the format cannot hold the complex.
+        OSError
+            If the file cannot be written. Nothing is left behind.
+        """
+        write_complex(path, self, fields, format=format)
+
+    def to_gudhi(self, filtration: ArrayLike | None = None) -> Any:
+        """Simplex tree of GUDHI; see `interoperability.to_gudhi`."""
+        return interoperability.to_gudhi(self, filtration)
+
+    def to_trimesh(self, fields: Mapping[str, ArrayLike] | None = None) -> Any:
+        """Triangles as an object of trimesh; see `interoperability.to_trimesh`."""
+        return interoperability.to_trimesh(self, fields)
+
+    def to_pyvista(self, fields: Mapping[str, ArrayLike] | None = None) -> Any:
+        """Mesh or grid of PyVista; see `interoperability.to_pyvista`."""
+        return interoperability.to_pyvista(self, fields)
+
+    def to_meshio(self, fields: Mapping[str, ArrayLike] | None = None) -> Any:
+        """Mesh of meshio; see `interoperability.to_meshio`."""
+        return interoperability.to_meshio(self, fields)
+
+    def to_networkx(self) -> Any:
+        """Graph of NetworkX, with lengths; see `interoperability.to_networkx`."""
+        return interoperability.to_networkx(self)
+
+    def to_scipy_graph(self) -> Any:
+        """Sparse matrix of the lengths of the edges; see `edge_graph`."""
+        return edge_graph(self)
+
+    @classmethod
+    def from_meshio(cls, mesh: Any, dim: int | None = None) -> SimplicialComplex:
+        """Complex of a mesh of meshio; see `interoperability.from_meshio`."""
+        return interoperability.from_meshio(mesh, dim)
+
     def component_labels(self) -> NDArray[np.int32]:
         """Component of each vertex, in order of lowest vertex; -1 in no simplex.
 
@@ -114,6 +177,23 @@ class SimplicialComplex(ReadOnlyArrays):
         ndarray, shape (N,), int32
         """
         return _core.component_labels(self.simplices, self.num_vertices)
+
+    def plot(self, **options: Any) -> Any:
+        """Draw the complex, by PyVista, Plotly or Matplotlib.
+
+        Parameters
+        ----------
+        **options
+            Those of `remanifold.plot`: ``color=``, ``show_samples=``, ``screenshot=``,
+            ``backend=`` and others.
+
+        Returns
+        -------
+        pyvista.Plotter, plotly.graph_objects.Figure or matplotlib.figure.Figure
+        """
+        from remanifold.plotting import plot
+
+        return plot(self, **options)
 
     def topology(self, component: int | None = None) -> Topology:
         """Topology of the complex, computed once, or of one of its components.
@@ -142,6 +222,14 @@ class SimplicialComplex(ReadOnlyArrays):
         simplices = np.sort(self.simplices, axis=1)
         own = self.component_labels()[simplices[:, 0]] == index
         return topology_of(simplices[own], self.num_vertices)
+
+    @property
+    def _source(self) -> tuple[Kind, NDArray[np.float64]]:
+        """The positions, or the products as they were given."""
+        if self.vertices is not None:
+            return "points", self.vertices
+        assert self._products is not None
+        return self._products
 
     @functools.cached_property
     def _topology(self) -> Topology:

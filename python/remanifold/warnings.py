@@ -1,7 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Warning classes, all under one base so that they can be filtered together."""
 
-__all__ = ["DimensionWarning", "ManifoldWarning", "RecallWarning", "RemanifoldWarning"]
+__all__ = [
+    "DimensionWarning",
+    "FileWarning",
+    "ManifoldWarning",
+    "RecallWarning",
+    "RemanifoldWarning",
+]
 
 
 class RemanifoldWarning(UserWarning):
@@ -18,3 +24,7 @@ class DimensionWarning(RemanifoldWarning):
 
 class ManifoldWarning(RemanifoldWarning):
     """The result is not the manifold that was asked for; `repair` says where."""
+
+
+class FileWarning(RemanifoldWarning):
+    """Something in a file was left out, because no complex can have it."""

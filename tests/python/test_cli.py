@@ -432,6 +432,9 @@ def test_version_and_help():
             "jet, or enclosure for paper",
             "mutual",
             "auto",
+            "auto",
+            "by the suffix",
+            "by the suffix",
             "all cores",
         ),
     ]
@@ -523,7 +526,7 @@ def test_output_that_cannot_hold_the_dimension_of_the_samples(tmp_path):
     np.save(tmp_path / "a.npy", rm.datasets.flat_torus(100, random_state=0))
     result = run(tmp_path / "a.npy", "--dim", 2, "-o", tmp_path / "a.ply")
     assert result.exit_code == 2
-    assert "cannot hold points with 4 coordinates; use .npz" in result.stderr
+    assert "cannot hold points with 4 coordinates; use .off, .npz" in result.stderr
     assert not (tmp_path / "a.ply").exists()
 
 

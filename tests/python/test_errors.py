@@ -34,6 +34,7 @@ RIGHT = {
     rm.edge_sets: {"points": POINTS, "bases": FRAMES},
     rm.clique_complex: {"offsets": [0, 1, 2], "indices": [1, 0], "dim": 1},
     rm.compute_topology: {"simplices": TRIANGLE, "num_vertices": 3},
+    rm.edge_graph: {"complex": rm.SimplicialComplex(POINTS, TRIANGLE)},
 }
 WITH_APPROXIMATE_SEARCH = (rm.reconstruct, rm.neighborhoods)
 

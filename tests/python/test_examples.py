@@ -4,7 +4,9 @@
 from __future__ import annotations
 
 import importlib.util
+import os
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -17,7 +19,7 @@ from remanifold import datasets
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "docs" / "examples"
-PAGES = sorted([*(ROOT / "docs").glob("*.md"), *ROOT.glob("README.md")])
+PAGES = sorted([*(ROOT / "docs").rglob("*.md"), *ROOT.glob("README.md")])
 
 pytest.importorskip("matplotlib")
 
@@ -51,6 +53,8 @@ def test_python_on_the_pages_runs(path, tmp_path, monkeypatch, capsys):
     blocks = re.findall(r"(?s)```python\n(.*?)```", path.read_text(encoding="utf-8"))
     monkeypatch.chdir(tmp_path)
     code = "\n".join(blocks)
+    for module in re.findall(r"(?m)^(?:import|from) ([\w.]+)", code):
+        pytest.importorskip(module)  # packages of the gallery may be missing
     exec(compile(code, str(path), "exec"), {})  # noqa: S102
     printed = iter(capsys.readouterr().out.splitlines())
     for expected in re.findall(r"(?m)^print\(.*\)  # ([^:\n]*)", code):
@@ -160,3 +164,52 @@ def test_demo_reports_a_failure(tmp_path):
     assert done.returncode == 1
     assert "bad.csv, line 1" in done.stderr
     assert "Traceback" not in done.stderr
+
+
+# ------------------------------------------------------------- the command line
+
+
+def console_blocks(text):
+    """Commands of the blocks of a page, and what it says that each prints."""
+    for block in re.findall(r"(?s)```console\n(.*?)```", text):
+        for part in re.split(r"(?m)^\$ ", block)[1:]:
+            command, _, printed = part.partition("\n")
+            yield command, printed
+
+
+def without_seconds(text):
+    """Put 0 seconds in the rows of a report."""
+    return re.sub(r"(?m)^(seconds)?( +)\d+\.\d\d ([a-z ]+)$", r"\1\g<2>0.00 \3", text)
+
+
+def run_in_shell(command, folder):
+    """Standard output and error together, as a terminal of 80 columns shows them."""
+    folder.joinpath("bin").mkdir(exist_ok=True)
+    python = shlex.quote(sys.executable)
+    for name, arguments in (("python", ""), ("remanifold", " -m remanifold")):
+        script = folder / "bin" / name
+        script.write_text(f'#!/bin/sh\nexec {python}{arguments} "$@"\n')
+        script.chmod(0o755)
+    path = f"{folder / 'bin'}{os.pathsep}{os.environ['PATH']}"
+    done = subprocess.run(
+        ["/bin/sh", "-c", command],
+        cwd=folder,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        check=False,
+        env=os.environ | {"PATH": path, "COLUMNS": "80", "TERM": "dumb"},
+    )
+    return "\n".join(line.rstrip() for line in done.stdout.splitlines())
+
+
+def test_the_command_line_prints_what_its_page_says(tmp_path):
+    examples = [*console_blocks(page("command_line.md"))]
+    assert len(examples) > 10
+    # One is shown before what it is asked of is made.
+    examples.sort(key=lambda example: example[0] == "remanifold info torus.ply")
+    for command, expected in examples:
+        printed = run_in_shell(command, tmp_path)
+        assert without_seconds(printed.strip()) == without_seconds(expected.strip()), (
+            command
+        )

@@ -6,6 +6,7 @@ import math
 import pickle
 import subprocess
 import sys
+import types
 import warnings
 from functools import cache
 from pathlib import Path
@@ -253,6 +254,29 @@ def test_doubts_where_the_result_is_wrong(name, num):
     lines = str(q).splitlines()
     assert lines[0] == q.verdict
     assert [f"- {reason.text}" for reason in q.reasons] == lines[1:]
+
+
+def test_an_edge_across_a_turn_of_a_spiral_is_seen():
+    points = datasets.spiral(100, random_state=202)
+    rec = reconstruct(points, 1)
+    assert rec.topology().closed  # the ends are joined, through what lies between
+    (reason,) = (r for r in rec.quality.reasons if "right by other samples" in r.text)
+    ends = points[reason.samples]
+    assert cdist(ends, ends).max() > 1.9  # twice the distance of the turns
+
+
+def test_distances_to_the_middle_of_an_edge():
+    points = np.random.default_rng(0).normal(size=(9, 4))
+    expected = ((points - (points[2] + points[5]) / 2) ** 2).sum(axis=1)
+    matrices = {
+        "points": points,
+        "gram": points @ points.T,
+        "distances": cdist(points, points),
+    }
+    for kind, matrix in matrices.items():
+        found = types.SimpleNamespace(kind=kind, matrix=matrix)
+        squared = quality._Findings.squared_distances_to_middle(found, 2, 5)
+        np.testing.assert_allclose(squared, expected)
 
 
 def test_verdict_counts_places_and_recommends():

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command line: ``remanifold reconstruct INPUT --dim K -o OUT``.
+
+``remanifold dimension INPUT`` finds K, ``remanifold info FILE`` tells what a file holds,
+``remanifold convert INPUT OUTPUT`` writes it in another format. The result goes to a
+file, the report to standard output, everything else to standard error; where the result
+takes standard output the report goes to standard error too. Exit codes: 0 done, 1 the run
+or a file failed, 2 wrong usage, 130 interrupted.
+
+Each command is a function in a module of its own; here they are given their names.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+import remanifold as rm
+from remanifold.cli import convert, dimension, info, reconstruct, report, view
+from remanifold.cli._common import examples
+
+__all__ = ["app", "main"]
+
+app = typer.Typer(
+    name="remanifold",
+    help="Reconstruct manifolds from their samples.",
+    epilog=examples(
+        "remanifold info scan.ply",
+        "remanifold dimension scan.ply",
+        "remanifold reconstruct scan.ply --dim 2 -o mesh.ply",
+        "remanifold convert mesh.ply mesh.vtu",
+    )
+    + "\n\nEach command has its own --help.",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+def main() -> None:
+    """Run the command line."""
+    app(prog_name="remanifold")
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"remanifold {rm.__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _root(
+    _: Annotated[
+        bool,
+        typer.Option(
+            "--version", callback=_version, is_eager=True, help="Show the version."
+        ),
+    ] = False,
+) -> None:
+    pass
+
+
+for module, command in (
+    (reconstruct, reconstruct.reconstruct),
+    (dimension, dimension.dimension),
+    (info, info.info),
+    (convert, convert.convert),
+    (report, report.report),
+    (view, view.view),
+):
+    app.command(epilog=module.EPILOG)(command)

@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the commands share: options, messages, failures, tables."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from remanifold.io._source import is_standard
+from remanifold.io.reading import READERS
+from remanifold.io.writing import WRITERS
+
+# More would take longer than the reconstruction.
+MAX_SIMPLICES_FOR_ALGEBRA = 200_000
+
+
+def messages_console() -> Console:
+    """Console of standard error, for messages and progress."""
+    return Console(stderr=True, soft_wrap=True, highlight=False)
+
+
+def choice(
+    words: tuple[str, ...],
+    text: str,
+    show_default: str | bool = True,
+    metavar: str | None = None,
+) -> Any:
+    """Make an option that takes one of a few words."""
+
+    def check(word: str | None) -> str | None:
+        if word is not None and word not in words:
+            msg = f"{word!r} is not one of {', '.join(map(repr, words))}."
+            raise typer.BadParameter(msg)
+        return word
+
+    def complete(incomplete: str) -> list[str]:
+        return [word for word in words if word.startswith(incomplete)]
+
+    return typer.Option(
+        metavar=metavar or f"[{'|'.join(words)}]",
+        help=text,
+        callback=check,
+        show_default=show_default,
+        autocompletion=complete,
+    )
+
+
+def examples(*lines: str) -> str:
+    """Give what the help of a command ends with; its lines stay as they are."""
+    return "\n".join(["\b", "Examples:", *(f"  {line}" for line in lines)])
+
+
+FORMATS = tuple(suffix[1:] for suffix in {**READERS, **WRITERS})
+FormatOption = Annotated[
+    str | None,
+    choice(
+        FORMATS,
+        "Format of the input whatever its name, or of the output where that alone is -: "
+        "csv, ply, ...",
+        "by the suffix",
+        "FORMAT",
+    ),
+]
+OutputFormatOption = Annotated[
+    str | None,
+    choice(
+        FORMATS, "Format of the output whatever its name.", "by the suffix", "FORMAT"
+    ),
+]
+ThreadsOption = Annotated[
+    int | None, typer.Option(min=1, show_default="all cores", help="Threads.")
+]
+JsonOption = Annotated[bool, typer.Option("--json", help="Report as a JSON object.")]
+
+
+def split_formats(
+    source: Path, output: Path | None, format: str | None, output_format: str | None
+) -> tuple[str | None, str | None]:
+    """Formats of the input and of the output; refuse streams without one."""
+    streams = is_standard(source), output is not None and is_standard(output)
+    if streams == (False, True) and output_format is None:
+        format, output_format = None, format
+    if streams[0] and format is None:
+        msg = "standard input needs a format, as in --format csv."
+        raise typer.BadParameter(msg, param_hint="'--format'")
+    if streams[1] and output_format is None:
+        name = "--output-format" if streams[0] else "--format"
+        msg = f"standard output needs a format, as in {name} ply."
+        raise typer.BadParameter(msg, param_hint=f"'{name}'")
+    return format, output_format
+
+
+def refuse_same_file(source: Path, output: Path, name: str = "--output") -> None:
+    """Refuse to write over the input."""
+    if is_standard(source) or is_standard(output):
+        return
+    if source.exists() and output.exists() and source.samefile(output):
+        msg = f"{output}: is the input, which would be lost"
+        raise typer.BadParameter(msg, param_hint=f"'{name}'")
+
+
+def print_report(
+    report: dict[str, Any],
+    table: Callable[[dict[str, Any]], Table],
+    *,
+    as_json: bool,
+    stderr: bool = False,
+) -> None:
+    """Print a report, to standard error where a mesh takes standard output."""
+    if as_json:
+        typer.echo(json.dumps(report, indent=2), err=stderr)
+    else:
+        Console(highlight=False, stderr=stderr).print(table(report))
+
+
+@contextlib.contextmanager
+def failures(messages: Console) -> Iterator[None]:
+    """Say in one line what failed, and exit."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        say(messages, "interrupted", "red")
+        raise typer.Exit(130) from None
+    except typer.BadParameter:
+        raise
+    except Exception as error:  # noqa: BLE001  one line for the user, whatever it is
+        say(messages, f"error: {describe(error)}", "red")
+        raise typer.Exit(1) from None
+
+
+def describe(error: Exception) -> str:
+    """Say in one line what an exception means."""
+    if isinstance(error, OSError) and error.strerror:
+        where = f"{error.filename}: " if error.filename else ""
+        return f"{where}{error.strerror}"
+    if isinstance(error, ValueError | TypeError | OSError | ImportError) and str(error):
+        return str(error)
+    if isinstance(error, MemoryError):
+        return f"out of memory: {error}" if str(error) else "out of memory"
+    return f"{type(error).__name__}: {error}"
+
+
+def say(console: Console, text: str, style: str) -> None:
+    """Print one message, on one line."""
+    console.print(Text(f"remanifold: {' '.join(text.splitlines())}", style=style))
+
+
+def timed(work: Callable[[], Any]) -> tuple[Any, float]:
+    """Do the work; its result and the seconds it took."""
+    start = time.perf_counter()
+    result = work()
+    return result, time.perf_counter() - start
+
+
+def rows_table(rows: dict[str, str]) -> Table:
+    """Make a table of names and values."""
+    table = Table(show_header=False, box=None, pad_edge=False)
+    table.add_column(style="bold", no_wrap=True)
+    table.add_column(overflow="fold")
+    for name, value in rows.items():
+        table.add_row(name, Text(value))
+    return table
+
+
+def simplex_names(dim: int) -> list[str]:
+    """Name the simplices of dimension 0 to ``dim``."""
+    names = ["vertices", "edges", "triangles", "tetrahedra"]
+    return (names + [f"{k}-simplices" for k in range(4, dim + 1)])[: dim + 1]

@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Options that several commands have, and their values together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, TypeAlias
+
+import typer
+
+from remanifold._validation import check_int, check_positive
+from remanifold.cli._common import choice
+from remanifold.reconstruction import METHODS
+from remanifold.steps import EDGE_RULES, ESTIMATORS, SEARCHES
+
+BOUNDARIES: dict[str, str | bool] = {"auto": "auto", "closed": False}
+
+
+def _dim_or_auto(text: str) -> int | str:
+    if text == "auto":
+        return text
+    try:
+        return check_int(int(text), "dim", minimum=1)
+    except ValueError:
+        msg = f"{text!r} is neither a positive integer nor 'auto'."
+        raise typer.BadParameter(msg) from None
+
+
+def _outliers(text: str) -> Any:
+    if text in ("auto", "keep"):
+        return {"auto": "auto", "keep": False}[text]
+    try:
+        return check_positive(float(text), "outliers")
+    except ValueError:
+        msg = f"{text!r} is neither auto, keep nor a positive number."
+        raise typer.BadParameter(msg) from None
+
+
+def _smooth(text: str) -> Any:
+    if text in ("no", "auto", "yes"):
+        return text
+    try:
+        return int(text)
+    except ValueError:
+        msg = f"{text!r} is neither no, auto, yes nor a number of neighbors."
+        raise typer.BadParameter(msg) from None
+
+
+Source: TypeAlias = Annotated[
+    Path,
+    typer.Argument(
+        metavar="INPUT",
+        help="Samples: .npy, .npz, .csv, .txt, .xyz, .ply, .obj, .off, .stl, "
+        ".vtk, .vtu, .las or .laz; - is standard input.",
+    ),
+]
+Dim: TypeAlias = Annotated[
+    Any,
+    typer.Option(
+        "--dim",
+        "-k",
+        parser=_dim_or_auto,
+        metavar="[INTEGER|auto]",
+        help="Dimension K of the manifold, or auto: estimated from the samples.",
+    ),
+]
+Method: TypeAlias = Annotated[
+    str, choice(METHODS, "Closed up to a manifold, or the paper's complex.")
+]
+Boundary: TypeAlias = Annotated[
+    str,
+    choice(
+        tuple(BOUNDARIES),
+        "Manifold method: leave wide holes open, or close everything.",
+    ),
+]
+HoleRadius: TypeAlias = Annotated[
+    float | None,
+    typer.Option(
+        show_default="by how evenly the samples lie",
+        help="Manifold method: radius of the smallest hole left open, in units of "
+        "the distance to the (2K+2)-th neighbor.",
+    ),
+]
+Outliers: TypeAlias = Annotated[
+    Any,
+    typer.Option(
+        parser=_outliers,
+        metavar="[auto|keep|DISTANCE]",
+        show_default="auto, or keep for paper",
+        help="Leave out samples at least so many local scales away from what the "
+        "others show (auto: 2), or keep all.",
+    ),
+]
+Smooth: TypeAlias = Annotated[
+    Any,
+    typer.Option(
+        parser=_smooth,
+        metavar="[no|auto|yes|NEIGHBORS]",
+        help="Move noisy samples onto the manifold first: auto where there is "
+        "noise, yes in any case, or by fits to so many neighbors.",
+    ),
+]
+NumNeighbors: TypeAlias = Annotated[
+    int | None,
+    typer.Option(
+        show_default="3 K (K + 3) / 2, or 10 K for paper",
+        help="Neighbors per sample for the tangent spaces.",
+    ),
+]
+Estimator: TypeAlias = Annotated[
+    str | None,
+    choice(
+        ESTIMATORS,
+        "Estimator of the tangent spaces.",
+        "jet, or enclosure for paper",
+    ),
+]
+Edges: TypeAlias = Annotated[
+    str | None,
+    choice(
+        EDGE_RULES,
+        "Paper's method: keep edges seen from both ends, or from either.",
+        "mutual",
+    ),
+]
+Search: TypeAlias = Annotated[
+    str, choice(SEARCHES, "Search for the nearest neighbors.")
+]
+Quiet: TypeAlias = Annotated[
+    bool, typer.Option("--quiet", "-q", help="No progress, table or warnings.")
+]
+
+
+@dataclass(frozen=True)
+class Options:
+    """How to reconstruct, as given on the command line."""
+
+    method: str
+    boundary: str
+    hole_radius: float | None
+    outliers: Any
+    smooth: Any
+    num_neighbors: int | None
+    estimator: str | None
+    edges: str | None
+    search: str
+    threads: int | None
+
+    def arguments(self) -> dict[str, Any]:
+        """Arguments of `remanifold.reconstruct`."""
+        return {
+            "method": self.method,
+            "boundary": BOUNDARIES[self.boundary],
+            "hole_radius": self.hole_radius,
+            "outliers": self.outliers,
+            "smooth": {"no": False, "yes": True}.get(self.smooth, self.smooth),
+            "num_neighbors": self.num_neighbors,
+            "estimator": self.estimator,
+            "edges": self.edges,
+            "search": self.search,
+            "num_threads": self.threads,
+        }

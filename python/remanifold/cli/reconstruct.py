@@ -1,0 +1,340 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""``remanifold reconstruct``: from a file of samples to a mesh."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.table import Table
+
+import remanifold as rm
+from remanifold.cli._common import (
+    MAX_SIMPLICES_FOR_ALGEBRA,
+    FormatOption,
+    JsonOption,
+    OutputFormatOption,
+    ThreadsOption,
+    choice,
+    examples,
+    failures,
+    messages_console,
+    print_report,
+    refuse_same_file,
+    rows_table,
+    say,
+    simplex_names,
+    split_formats,
+    timed,
+)
+from remanifold.cli._options import (
+    Boundary,
+    Dim,
+    Edges,
+    Estimator,
+    HoleRadius,
+    Method,
+    NumNeighbors,
+    Options,
+    Outliers,
+    Quiet,
+    Search,
+    Smooth,
+    Source,
+)
+from remanifold.cli._reconstructing import reconstruct_file
+from remanifold.cli.dimension import dim_report
+from remanifold.io import check_output, write_mesh
+from remanifold.io._source import is_standard
+from remanifold.io.writing import holds_fields
+
+EPILOG = examples(
+    "remanifold reconstruct scan.ply --dim 2 -o mesh.ply",
+    "remanifold reconstruct curve.csv -k 1 -o curve.vtu --json",
+    "remanifold reconstruct scan.laz -k auto -o mesh.npz --smooth auto",
+    "cat points.txt | remanifold reconstruct - --format txt -k 2 -o mesh.obj",
+    "remanifold reconstruct scan.ply -k 2 -o - --format off > mesh.off",
+)
+
+
+def reconstruct(
+    source: Source,
+    dim: Dim,
+    output: Annotated[
+        Path,
+        typer.Option(
+            "--output",
+            "-o",
+            help="Mesh to write: .ply, .obj, .off, .stl, .vtk, .vtu, .glb, .gltf, or "
+            ".npz for any dimension; - is standard output, and then the report goes to "
+            "standard error.",
+        ),
+    ],
+    method: Method = "manifold",
+    boundary: Boundary = "auto",
+    hole_radius: HoleRadius = None,
+    outliers: Outliers = None,
+    smooth: Smooth = "no",
+    keep_positions: Annotated[
+        bool,
+        typer.Option(
+            "--keep-positions",
+            help="Write the samples where they were, not where they were moved to.",
+        ),
+    ] = False,
+    num_neighbors: NumNeighbors = None,
+    estimator: Estimator = None,
+    edges: Edges = None,
+    search: Search = "auto",
+    fields: Annotated[
+        str,
+        choice(
+            ("auto", "none"),
+            "Write what is known of each sample (boundary, spacing, ...) where the "
+            "format holds it, or nothing.",
+        ),
+    ] = "auto",
+    format: FormatOption = None,
+    output_format: OutputFormatOption = None,
+    threads: ThreadsOption = None,
+    as_json: JsonOption = False,
+    quiet: Quiet = False,
+) -> None:
+    """Reconstruct a manifold from samples and write it as a mesh."""
+    messages = messages_console()
+    options = Options(
+        method=method,
+        boundary=boundary,
+        hole_radius=hole_radius,
+        outliers=outliers,
+        smooth=smooth,
+        num_neighbors=num_neighbors,
+        estimator=estimator,
+        edges=edges,
+        search=search,
+        threads=threads,
+    )
+
+    def check_target(dim: int, ambient_dim: int | None) -> None:
+        try:
+            check_output(output, dim, ambient_dim, format=output_format)
+        except ValueError as error:
+            raise typer.BadParameter(str(error), param_hint="'--output'") from None
+        refuse_same_file(source, output)
+
+    with failures(messages):
+        format, output_format = split_formats(source, output, format, output_format)
+        done = reconstruct_file(
+            source, dim, options, check_target, messages, quiet=quiet, format=format
+        )
+        rec = done.rec
+        report = _report(rec)
+        vertices: Any = rec.samples if keep_positions else rec.vertices
+        kept = fields == "auto" and holds_fields(output, output_format)
+        _, seconds_written = timed(
+            lambda: write_mesh(
+                output,
+                vertices,
+                rec.simplices,
+                fields=rec.fields() if kept else None,
+                format=output_format,
+            )
+        )
+
+    seconds = {**done.seconds, **report["seconds"], "write": seconds_written}
+    if done.found is not None:
+        report["dim_estimate"] = dim_report(done.found)
+    complaints = done.complaints + _complaints(report, done.warned)
+    paper = method == "paper"
+    report = {
+        "input": str(source),
+        "output": str(output),
+        **report,
+        "boundary": None if paper else boundary,
+        "seconds": seconds,
+        "warnings": complaints,
+    }
+    if not quiet:
+        for text in complaints:
+            say(messages, f"warning: {text}", "yellow")
+    if as_json or not quiet:
+        taken = is_standard(output)
+        print_report(report, _table, as_json=as_json, stderr=taken)
+
+
+def _report(rec: rm.Reconstruction) -> dict[str, Any]:
+    topology, seconds_topology = timed(rec.topology)
+    repair, seconds_repair = timed(lambda: rec.repair)
+    quality, seconds_quality = timed(lambda: rec.quality)
+    manifold = rec.method == "manifold"
+    return {
+        "method": rec.method,
+        "estimator": rec.estimator,
+        "edges": rec.edge_rule,
+        "search": rec.search,
+        "num_neighbors": rec.num_neighbors,
+        "num_samples": rec.num_samples,
+        "ambient_dim": rec.ambient_dim,
+        "dim": rec.dim,
+        "num_simplices": list(topology.num_simplices),
+        "euler_characteristic": topology.euler_characteristic,
+        "components": topology.components,
+        "betti_numbers": (
+            list(topology.betti_numbers)
+            if topology.counting_settles_homology
+            or topology.num_simplices[-1] <= MAX_SIMPLICES_FOR_ALGEBRA
+            else None
+        ),
+        "manifold": topology.manifold,
+        "closed": topology.closed,
+        "orientable": topology.orientable,
+        "boundary_samples": int(rec.boundary.sum()),
+        "merged_samples": repair.merged_samples,
+        "outliers": len(rec.outliers),
+        "smoothing": _smoothing_report(rec.smoothing),
+        "unused_samples": len(repair.unused_vertices),
+        "coface_counts": {str(n): f for n, f in topology.coface_counts.items()},
+        "hole_radius": repair.hole_radius if manifold else None,
+        "agreed_simplices": repair.num_agreed if manifold else None,
+        "disputed_simplices": len(repair.disputed_simplices) if manifold else None,
+        "filled_simplices": len(repair.filled_simplices) if manifold else None,
+        "inserted_samples": len(repair.inserted_vertices) if manifold else None,
+        "open_faces": len(repair.open_faces),
+        "callous_faces": len(repair.callous_faces),
+        "unstarred_simplices": None if manifold else len(repair.unstarred_simplices),
+        "holes": repair.num_holes,
+        "boundary_components": repair.num_boundary_components,
+        "singular_vertices": len(topology.singular_vertices),
+        "sampling": {
+            "ok": quality.ok,
+            "verdict": quality.verdict,
+            "reasons": [reason.text for reason in quality.reasons],
+            "doubtful_samples": int(quality.doubtful.sum()),
+            "recommended_samples": quality.recommended_samples,
+            "noise": None if math.isnan(quality.noise) else quality.noise,
+        },
+        "seconds": {
+            **rec.timings,
+            "report": seconds_topology + seconds_repair + seconds_quality,
+        },
+    }
+
+
+def _smoothing_report(smoothing: rm.Smoothing | None) -> dict[str, Any] | None:
+    if smoothing is None:
+        return None
+    return {
+        "noise": smoothing.noise if math.isfinite(smoothing.noise) else None,
+        "num_neighbors": smoothing.num_neighbors,
+        "rounds": smoothing.rounds,
+    }
+
+
+def _smoothing_text(report: dict[str, Any]) -> str:
+    noise = "unknown" if report["noise"] is None else f"{report['noise']:.3g}"
+    if not report["num_neighbors"]:
+        return f"nothing moved, noise {noise}"
+    return f"by {report['num_neighbors']:,} neighbors, noise {noise}"
+
+
+def _complaints(report: dict[str, Any], warned: bool) -> list[str]:
+    """Say what the result lacks, unless the library has warned of it."""
+    faces, simplices = simplex_names(report["dim"])[-2:]
+    unused = "{} samples are in no simplex"
+    if report["method"] == "paper":
+        unused += f" ({report['boundary_samples']:,} have no tangent space)"
+    found = [
+        (report["outliers"], "{} samples are outliers and were left out"),
+        (report["unused_samples"], unused),
+        *([] if warned else _defects(report, faces, simplices)),
+    ]
+    return [text.format(f"{count:,}") for count, text in found if count]
+
+
+def _defects(
+    report: dict[str, Any], faces: str, simplices: str
+) -> list[tuple[int | None, str]]:
+    return [
+        (report["callous_faces"], f"{{}} {faces} are in more than two {simplices}"),
+        (
+            report["unstarred_simplices"],
+            f"{{}} {simplices} are in the star of none of their vertices",
+        ),
+        (report["holes"], "{} holes"),
+        (
+            report["singular_vertices"],
+            "no manifold: around {} vertices it is neither a ball nor half of one",
+        ),
+    ]
+
+
+def _table(report: dict[str, Any]) -> Table:
+    names = simplex_names(report["dim"])
+    faces, simplices = names[-2:]
+    yes_no = {True: "yes", False: "no"}
+    counts = {
+        f"open {faces}": "open_faces",
+        f"callous {faces}": "callous_faces",
+        f"{simplices} in no star": "unstarred_simplices",
+        f"agreed {simplices}": "agreed_simplices",
+        f"disputed {simplices}": "disputed_simplices",
+        f"filled {simplices}": "filled_simplices",
+        "inserted samples": "inserted_samples",
+        "holes": "holes",
+        "boundary components": "boundary_components",
+        "singular vertices": "singular_vertices",
+    }
+    rows = {
+        "method": report["method"],
+        "samples": f"{report['num_samples']:,} in R^{report['ambient_dim']}",
+        "dimension": str(report["dim"])
+        + (
+            f" (estimated, confidence {report['dim_estimate']['confidence']:.2f})"
+            if "dim_estimate" in report
+            else ""
+        ),
+        "simplices": ", ".join(
+            f"{count:,} {name}"
+            for count, name in zip(report["num_simplices"], names, strict=True)
+        ),
+        "Euler characteristic": f"{report['euler_characteristic']:,}",
+        "components": f"{report['components']:,}",
+        "Betti numbers": (
+            "not computed"
+            if report["betti_numbers"] is None
+            else ", ".join(f"{b:,}" for b in report["betti_numbers"])
+        ),
+        "manifold": yes_no[report["manifold"]],
+        "closed": yes_no[report["closed"]],
+        "orientable": yes_no[report["orientable"]],
+        "boundary samples": f"{report['boundary_samples']:,}",
+        "outliers": f"{report['outliers']:,}",
+        **(
+            {}
+            if report["smoothing"] is None
+            else {"smoothed": _smoothing_text(report["smoothing"])}
+        ),
+        "unused samples": f"{report['unused_samples']:,}",
+        **(
+            {}
+            if report["hole_radius"] is None
+            else {"hole radius": f"{report['hole_radius']:.3g}"}
+        ),
+        f"{faces} by {simplices}": ", ".join(
+            f"{number:,} in {n}" for n, number in report["coface_counts"].items()
+        ),
+        **{
+            name: f"{report[key]:,}"
+            for name, key in counts.items()
+            if report[key] is not None
+        },
+        "sampling": report["sampling"]["verdict"],
+        "seconds": "\n".join(
+            f"{seconds:.2f} {step.replace('_', ' ')}"
+            for step, seconds in report["seconds"].items()
+        ),
+        "written": report["output"],
+    }
+    return rows_table(rows)

@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""``remanifold view``: a mesh in a window, or as a picture in a file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+import remanifold as rm
+from remanifold._scene import STYLES
+from remanifold.cli._common import choice, examples, failures, messages_console
+from remanifold.plotting import BACKENDS
+
+COLORS = ("component", "boundary", "quality")
+EPILOG = examples(
+    "remanifold view mesh.ply",
+    "remanifold view mesh.npz --color component --screenshot mesh.png",
+)
+
+
+def view(
+    source: Annotated[
+        Path,
+        typer.Argument(
+            metavar="FILE",
+            help="Mesh: .npz as written by reconstruct, or .ply, .obj, .off, .stl, "
+            ".vtk or .vtu.",
+        ),
+    ],
+    screenshot: Annotated[
+        Path | None,
+        typer.Option(
+            show_default="a window opens",
+            help="Picture to write instead: .png and others, or .html with plotly.",
+        ),
+    ] = None,
+    color: Annotated[
+        str | None,
+        choice(
+            COLORS, "Color by component, boundary or shape of the simplices.", "one"
+        ),
+    ] = None,
+    style: Annotated[
+        str, choice(STYLES, "Triangles, tetrahedra drawn apart, or edges only.")
+    ] = "auto",
+    backend: Annotated[str, choice(BACKENDS, "Library that draws.")] = "auto",
+) -> None:
+    """Show a mesh; beyond three dimensions, a projection that the picture names."""
+    with failures(messages_console()):
+        complex = rm.io.read_complex(source)
+        if screenshot is not None and screenshot.suffix.lower() in (".html", ".htm"):
+            backend = "plotly"
+        rm.plot(
+            complex,
+            color=color,
+            style=style,
+            backend=backend,
+            title=source.name,
+            screenshot=screenshot,
+        )

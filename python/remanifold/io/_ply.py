@@ -1,0 +1,425 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""PLY: a text header describes elements, each a table of properties."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass, field
+from typing import IO, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from remanifold.io._mesh import Faces, FileMesh, check_corners, simplices_of_faces
+from remanifold.io._source import FloatArray, IntArray, Source
+
+_TYPES = {
+    name: kind
+    for kind, names in {
+        "i1": ["char", "int8"],
+        "u1": ["uchar", "uint8"],
+        "i2": ["short", "int16"],
+        "u2": ["ushort", "uint16"],
+        "i4": ["int", "int32"],
+        "u4": ["uint", "uint32"],
+        "i8": ["int64"],
+        "u8": ["uint64"],
+        "f4": ["float", "float32"],
+        "f8": ["double", "float64"],
+    }.items()
+    for name in names
+}
+_ENCODINGS = {
+    "ascii": "ascii",
+    "binary_little_endian": "<",
+    "binary_big_endian": ">",
+}
+# How other programs call the columns of a field.
+COLUMNS = {
+    "normals": ("nx", "ny", "nz"),
+    "colors": ("red", "green", "blue", "alpha"),
+}
+
+
+@dataclass
+class _Element:
+    """Name, number of records, and properties: (name, type, type of the length)."""
+
+    name: str
+    count: int
+    properties: list[tuple[str, str, str | None]] = field(default_factory=list)
+
+    def has_lists(self) -> bool:
+        return any(length is not None for _, _, length in self.properties)
+
+    def least_size(self) -> int:
+        """Bytes of a record whose lists are empty."""
+        return sum(np.dtype(n or kind).itemsize for _, kind, n in self.properties)
+
+
+@dataclass
+class _Table:
+    """Columns of an element: arrays, or Faces where the property is a list."""
+
+    scalars: dict[str, NDArray[Any]]
+    lists: dict[str, Faces]
+
+
+def read_ply(source: Source, cells: bool) -> FileMesh:
+    """Read vertices with their properties, edges, and faces."""
+    with source.open() as file:
+        encoding, elements, line = _header(source, file)
+        body = file.read()
+    vertex = next((e for e in elements if e.name == "vertex"), None)
+    if vertex is None:
+        source.fail("expected an element 'vertex', found none")
+    names = [name for name, _, _ in vertex.properties]
+    axes = [axis for axis in "xyz" if axis in names]
+    if len(axes) < 2:
+        found = ", ".join(names) or "none"
+        source.fail(f"expected vertex properties x, y, z, found {found}")
+    reader = _Reader(source, body, encoding, line)
+    tables: dict[str, _Table] = {}
+    for element in elements:
+        if not cells and "vertex" in tables:
+            break
+        tables[element.name] = reader.element(element)
+    scalars = tables["vertex"].scalars
+    if not {*axes} <= {*scalars}:
+        source.fail("expected numbers x, y, z, found lists")
+    columns = [scalars.pop(axis).astype(np.float64) for axis in axes]
+    mesh = FileMesh(np.column_stack(columns).reshape(-1, len(axes)))
+    if cells:
+        mesh.fields = _gathered(scalars)
+        mesh.cells = _simplices(source, mesh.points, tables)
+    return mesh
+
+
+def _simplices(
+    source: Source, points: FloatArray, tables: dict[str, _Table]
+) -> dict[int, IntArray]:
+    if tables.get("tristrips"):
+        source.fail("holds triangle strips, which are not read; triangulate it first")
+    cells: dict[int, IntArray] = {}
+    lists = tables["face"].lists if "face" in tables else {}
+    names = [n for n in ("vertex_indices", "vertex_index") if n in lists]
+    if names:
+        faces = lists[names[0]]
+        cells = simplices_of_faces(source, points, faces)
+    edges = tables["edge"].scalars if "edge" in tables else {}
+    if {"vertex1", "vertex2"} <= {*edges}:
+        pairs = np.column_stack([edges["vertex1"], edges["vertex2"]]).astype(np.int64)
+        check_corners(source, pairs, len(points))
+        cells[2] = np.vstack([pairs, *([cells[2]] if 2 in cells else [])])
+    return cells
+
+
+def _gathered(scalars: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    """Put columns that belong together into one field: a_0, a_1; nx, ny, nz; colors."""
+    fields = dict(scalars)
+    for name, columns in COLUMNS.items():
+        for number in (4, 3):
+            parts = columns[:number]
+            if all(part in fields for part in parts):
+                fields[name] = np.column_stack([fields.pop(part) for part in parts])
+                break
+    for name in [name for name in fields if name.endswith("_0")]:
+        stem = name[:-2]
+        counted = itertools.takewhile(
+            lambda part: part in fields, (f"{stem}_{i}" for i in itertools.count())
+        )
+        if stem and stem not in fields:
+            fields[stem] = np.column_stack([fields.pop(part) for part in [*counted]])
+    return fields
+
+
+def _header(source: Source, file: IO[bytes]) -> tuple[str, list[_Element], int]:
+    """Read up to 'end_header': byte order or 'ascii', elements, number of lines."""
+    if file.readline(64).rstrip() != b"ply":
+        source.fail("expected a PLY file, whose first line is 'ply'", line=1)
+    encoding = None
+    elements: list[_Element] = []
+    line, words = 1, [""]
+    while words != ["end_header"]:
+        line += 1
+        text = file.readline().decode("ascii", "replace")
+        if not text:
+            source.fail("is truncated: the header has no 'end_header'")
+        words = text.split()
+        match words:
+            case ["format", name, _] if name in _ENCODINGS:
+                encoding = _ENCODINGS[name]
+            case ["element", name, count]:
+                elements.append(_Element(name, source.count(line, count)))
+            case ["property", "list", length, kind, name] if (
+                elements and _TYPES.get(length, "f")[0] != "f" and kind in _TYPES
+            ):
+                types = _TYPES[kind], _TYPES[length]
+                elements[-1].properties.append((name, *types))
+            case ["property", kind, name] if elements and kind in _TYPES:
+                elements[-1].properties.append((name, _TYPES[kind], None))
+            case [] | ["end_header"] | ["comment" | "obj_info", *_]:
+                pass
+            case _:
+                what = f"no valid line of a PLY header: {text.strip()[:60]!r}"
+                source.fail(what, line=line)
+    if encoding is None:
+        source.fail("expected a line 'format ...' in the header")
+    for element in elements:
+        names = [name for name, _, _ in element.properties]
+        if len(names) > len({*names}):
+            source.fail(f"the element '{element.name}' has a property twice")
+    return encoding, elements, line
+
+
+class _Reader:
+    """Reads one element after the other."""
+
+    def __init__(self, source: Source, body: bytes, order: str, line: int) -> None:
+        self.source = source
+        self.body = body
+        self.order = order  # of the bytes, or "ascii"
+        self.line = line
+        self.position = 0
+
+    def element(self, element: _Element) -> _Table:
+        if self.order == "ascii":
+            return self._text(element)
+        if not element.has_lists():
+            return self._fixed(element)
+        return self._same_lengths(element) or self._lists(element)
+
+    def _truncated(self, element: _Element, found: int) -> None:
+        kind = {"vertex": "vertices", "face": "faces", "edge": "edges"}
+        what = kind.get(element.name, f"records of '{element.name}'")
+        self.source.fail(
+            f"is truncated: expected {element.count} {what}, found {found}"
+        )
+
+    def _text(self, element: _Element) -> _Table:
+        """Records, one a line."""
+        columns: list[list[Any]] = [[] for _ in element.properties]
+        for i in range(element.count):
+            self.line += 1
+            end = self.body.find(b"\n", self.position)
+            end = len(self.body) if end < 0 else end
+            if self.position >= len(self.body):
+                self._truncated(element, i)
+            text = self.body[self.position : end].decode("ascii", "replace")
+            self.position = end + 1
+            self._record(element, text.split(), columns)
+        scalars, lists = {}, {}
+        for (name, kind, length), values in zip(
+            element.properties, columns, strict=True
+        ):
+            if length is None:
+                # Integers beyond their type stay what they are.
+                with np.errstate(invalid="ignore", over="ignore"):
+                    numbers = np.array(values, dtype=np.float64)
+                    narrow = numbers.astype(kind)
+                wide = kind[0] != "f" and (narrow != numbers).any()
+                # The digits of a coordinate say more than its type.
+                scalars[name] = numbers if wide or name in "xyz" else narrow
+            else:
+                lists[name] = Faces.of(values)
+        return _Table(scalars, lists)
+
+    def _record(
+        self, element: _Element, fields: list[str], columns: list[list[Any]]
+    ) -> None:
+        source, position = self.source, 0
+        short = f"expected {len(element.properties)} values, found {len(fields)}"
+        for (_, _, length), column in zip(element.properties, columns, strict=True):
+            if position >= len(fields):
+                source.fail(short, line=self.line)
+            if length is None:
+                try:
+                    column.append(float(fields[position]))
+                except ValueError:
+                    found = " ".join(fields)[:60]
+                    what = f"expected {len(fields)} numbers, found {found!r}"
+                    source.fail(what, line=self.line)
+            else:
+                size = source.count(self.line, fields[position])
+                values = fields[position + 1 : position + 1 + size]
+                if len(values) < size:
+                    what = f"expected a list of {size}, found {len(values)}"
+                    source.fail(what, line=self.line)
+                column.append(self._list(values))
+                position += size
+            position += 1
+
+    def _list(self, values: list[str]) -> list[int]:
+        try:
+            return [int(value) for value in values]
+        except ValueError:
+            return [0 for _ in values]  # a list of other numbers, which none reads
+
+    def _fixed(self, element: _Element) -> _Table:
+        """Records of one size."""
+        if not element.properties:
+            return _Table({}, {})
+        dtype = np.dtype(
+            [(name, self.order + kind) for name, kind, _ in element.properties]
+        )
+        found = (len(self.body) - self.position) // dtype.itemsize
+        if found < element.count:
+            self._truncated(element, max(found, 0))
+        table = np.frombuffer(self.body, dtype, element.count, self.position)
+        self.position += element.count * dtype.itemsize
+        return _Table(
+            {
+                name: table[name].astype(dtype[name].newbyteorder("="))
+                for name in dtype.names or ()
+            },
+            {},
+        )
+
+    def _same_lengths(self, element: _Element) -> _Table | None:
+        """Records whose lists are as long as those of the first, or None."""
+        start = self.position
+        if element.count * element.least_size() > len(self.body) - start:
+            self.source.fail(f"is truncated in the element '{element.name}'")
+        if element.count == 0:
+            return None
+        first = self._one(element)
+        self.position = start
+        columns: list[Any] = []
+        for i, (_, kind, length) in enumerate(element.properties):
+            if length is None:
+                columns.append((f"v{i}", self.order + kind))
+            else:
+                columns.append((f"n{i}", self.order + length))
+                columns.append((f"v{i}", self.order + kind, (len(first[i]),)))
+        dtype = np.dtype(columns)
+        if (len(self.body) - start) // dtype.itemsize < element.count:
+            return None
+        table = np.frombuffer(self.body, dtype, element.count, start)
+        scalars: dict[str, NDArray[Any]] = {}
+        lists: dict[str, Faces] = {}
+        for i, (name, kind, length) in enumerate(element.properties):
+            if length is None:
+                scalars[name] = table[f"v{i}"].astype(kind)
+                continue
+            size = len(first[i])
+            if (table[f"n{i}"] != size).any():
+                return None
+            with np.errstate(invalid="ignore"):  # lists of numbers that none reads
+                flat = table[f"v{i}"].astype(np.int64).ravel()
+            sizes = np.full(element.count, size, dtype=np.int64)
+            lists[name] = Faces(flat, sizes)
+        self.position += element.count * dtype.itemsize
+        return _Table(scalars, lists)
+
+    def _lists(self, element: _Element) -> _Table:
+        """Records with lists of any length."""
+        records = [self._one(element) for _ in range(element.count)]
+        scalars: dict[str, NDArray[Any]] = {}
+        lists: dict[str, Faces] = {}
+        for i, (name, kind, length) in enumerate(element.properties):
+            column = [record[i] for record in records]
+            if length is None:
+                scalars[name] = np.array(column, dtype=kind).ravel()
+            else:
+                sizes = np.array([len(part) for part in column], dtype=np.int64)
+                with np.errstate(invalid="ignore"):
+                    flat = np.concatenate([np.empty(0), *column]).astype(np.int64)
+                lists[name] = Faces(flat, sizes)
+        return _Table(scalars, lists)
+
+    def _one(self, element: _Element) -> list[NDArray[Any]]:
+        """Read one record; a scalar is an array of one."""
+        record = []
+        for _, kind, length in element.properties:
+            size = 1 if length is None else int(self._take(element, length, 1)[0])
+            record.append(self._take(element, kind, size))
+        return record
+
+    def _take(self, element: _Element, kind: str, count: int) -> NDArray[Any]:
+        dtype = np.dtype(self.order + kind)
+        end = self.position + count * dtype.itemsize
+        if count < 0 or end > len(self.body):
+            self.source.fail(f"is truncated in the element '{element.name}'")
+        values = np.frombuffer(self.body, dtype, count, self.position)
+        self.position = end
+        return values
+
+
+# Written here, not by meshio: it knows no edges, and puts the date into the file.
+
+
+def write_ply(file: IO[bytes], mesh: FileMesh) -> None:
+    """Write binary PLY: vertices with their fields, then edges or triangles."""
+    columns = _columns(mesh)
+    header = ["ply", "format binary_little_endian 1.0"]
+    header += [f"element vertex {len(mesh.points)}"]
+    header += [f"property {_NAMES[a.dtype.str[1:]]} {name}" for name, a in columns]
+    vertices = np.empty(
+        len(mesh.points), [(name, a.dtype.newbyteorder("<")) for name, a in columns]
+    )
+    for name, values in columns:
+        vertices[name] = values
+    body = [vertices.tobytes()]
+    for size, cells in mesh.cells.items():
+        if size == 2:
+            header += [f"element edge {len(cells)}"]
+            header += ["property int vertex1", "property int vertex2"]
+            body.append(cells.astype("<i4").tobytes())
+        else:
+            header += [f"element face {len(cells)}"]
+            header += ["property list uchar int vertex_indices"]
+            records = np.empty(len(cells), [("size", "u1"), ("corners", "<i4", size)])
+            records["size"] = size
+            records["corners"] = cells
+            body.append(records.tobytes())
+    file.write("\n".join([*header, "end_header", ""]).encode("ascii", "replace"))
+    for part in body:
+        file.write(part)
+
+
+_NAMES = {
+    "i1": "char",
+    "u1": "uchar",
+    "i2": "short",
+    "u2": "ushort",
+    "i4": "int",
+    "u4": "uint",
+    "f4": "float",
+    "f8": "double",
+}
+
+
+def _columns(mesh: FileMesh) -> list[tuple[str, NDArray[Any]]]:
+    """Coordinates and fields, one column a property."""
+    columns = [(axis, mesh.points[:, i]) for i, axis in enumerate("xyz")]
+    for given, array in mesh.fields.items():
+        # A property is one word.
+        name = "".join(c if "!" <= c <= "~" else "_" for c in given)
+        values = _narrow(array)
+        if values.ndim == 1:
+            columns.append((name, values))
+            continue
+        parts = COLUMNS.get(name, ())[: values.shape[1]]
+        if len(parts) != values.shape[1]:
+            parts = tuple(f"{name}_{i}" for i in range(values.shape[1]))
+        columns += [(part, values[:, i]) for i, part in enumerate(parts)]
+    names = [name for name, _ in columns]
+    for i, name in enumerate(names):
+        if name in names[:i]:
+            msg = f"fields: two columns of a .ply file would be called {name!r}"
+            raise ValueError(msg)
+    return columns
+
+
+def _narrow(array: NDArray[Any]) -> NDArray[Any]:
+    """Give the values a type that PLY has."""
+    if array.dtype.kind == "b":
+        return array.astype(np.uint8)
+    if array.dtype.kind in "iu" and array.dtype.itemsize == 8:
+        limits = np.iinfo(np.int32)
+        if not array.size or limits.min <= array.min() <= array.max() <= limits.max:
+            return array.astype(np.int32)
+        return array.astype(np.float64)
+    if array.dtype.str[1:] not in _NAMES:
+        return array.astype(np.float64)
+    return array

@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A file to read, or standard input, and messages that say where it is wrong."""
+
+from __future__ import annotations
+
+import functools
+import io
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import IO, Any, NoReturn, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray: TypeAlias = NDArray[np.float64]
+IntArray: TypeAlias = NDArray[np.int64]
+StrPath: TypeAlias = str | os.PathLike[str]
+
+_LARGEST = 2**62  # of an index, so that what is computed of it fits as well
+STANDARD = "-"  # standard input or output
+
+
+class Source:
+    """A file, or standard input read to its end.
+
+    Parameters
+    ----------
+    path : str or path-like
+        The file, or "-".
+    suffix : str
+        What names its format, in lower case.
+    """
+
+    def __init__(self, path: StrPath, suffix: str) -> None:
+        self.suffix = suffix
+        self._path: Path | None = None
+        if is_standard(path):
+            self.name = "standard input"
+            self._held = sys.stdin.buffer.read()
+        else:
+            self._path = Path(path)
+            self.name = str(path)
+
+    def __str__(self) -> str:
+        return self.name
+
+    def open(self) -> IO[bytes]:
+        """Open it for reading, at its beginning."""
+        return io.BytesIO(self._held) if self._path is None else self._path.open("rb")
+
+    @functools.cached_property
+    def data(self) -> bytes:
+        """All of it."""
+        return self._held if self._path is None else self._path.read_bytes()
+
+    @contextmanager
+    def text(self) -> Iterator[IO[str]]:
+        """Open it as text."""
+        try:
+            with io.TextIOWrapper(
+                self.open(), encoding="utf-8-sig", newline=""
+            ) as file:
+                yield file
+        except UnicodeDecodeError as error:
+            self.fail(f"is no text file, as {self.suffix} files are", error)
+
+    @contextmanager
+    def on_disk(self) -> Iterator[Path]:
+        """Give a path, for readers that take nothing else."""
+        if self._path is not None:
+            yield self._path
+            return
+        import tempfile
+
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / f"input{self.suffix}"
+            path.write_bytes(self._held)
+            yield path
+
+    def fail(
+        self, what: str, cause: BaseException | None = None, line: int | None = None
+    ) -> NoReturn:
+        """Raise a ValueError that names the file, and the line if it is known."""
+        where = self.name if line is None else f"{self.name}, line {line}"
+        msg = f"{where}: {what}"
+        raise ValueError(msg) from cause
+
+    def floats(self, line: int, fields: list[str], count: int) -> list[float]:
+        """Take the first ``count`` fields of a line as numbers."""
+        try:
+            values = [float(field) for field in fields[:count]]
+        except ValueError:
+            values = []
+        if len(values) < count:
+            found = " ".join(fields) or "nothing"
+            self.fail(f"expected {count} numbers, found {found[:60]!r}", line=line)
+        return values
+
+    def count(self, line: int, field: str) -> int:
+        """Take a field as a number that is not negative."""
+        # No file has a count of more digits, and int() refuses very many.
+        if not (field.isascii() and field.isdecimal()) or len(field) > 18:
+            self.fail(f"expected a count, found {field[:60]!r}", line=line)
+        return int(field)
+
+    def indices(self, line: int, fields: list[str]) -> list[int]:
+        """Take fields as integers."""
+        try:
+            values = [int(field) for field in fields]
+        except ValueError:
+            values = []
+        if len(values) < len(fields) or max(map(abs, values), default=0) > _LARGEST:
+            found = " ".join(fields)
+            self.fail(f"expected indices, found {found[:60]!r}", line=line)
+        return values
+
+
+def is_standard(path: StrPath) -> bool:
+    """Whether a path stands for standard input or output."""
+    return os.fspath(path) == STANDARD
+
+
+def suffix_of(path: StrPath, format: Any, known: tuple[str, ...]) -> str:
+    """Suffix that names the format: that of the file, unless a format is given.
+
+    Raises
+    ------
+    ValueError
+        No format by that name, or standard input or output without one.
+    """
+    if format is not None:
+        if not isinstance(format, str):
+            msg = f"format must be a word such as 'csv', got {format!r}"
+            raise TypeError(msg)
+        suffix = "." + format.lower().removeprefix(".")
+        if suffix not in known:
+            words = ", ".join(word[1:] for word in known)
+            msg = f"format is {format!r}, expected one of {words}"
+            raise ValueError(msg)
+        return suffix
+    if is_standard(path):
+        msg = "standard input and output have no suffix: name a format, as in 'csv'"
+        raise ValueError(msg)
+    return Path(path).suffix.lower()
+
+
+def described(suffix: str) -> str:
+    """Name a suffix in a message."""
+    return suffix or "a file without a suffix"

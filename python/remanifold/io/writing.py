@@ -1,0 +1,428 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Writing points, complexes and values at the vertices; the suffix names the format."""
+
+from __future__ import annotations
+
+import io
+import os
+import secrets
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from remanifold._validation import check_complex
+from remanifold.io._gltf import write_glb, write_gltf
+from remanifold.io._mesh import FileMesh, simplex_name
+from remanifold.io._obj import write_obj
+from remanifold.io._off import write_off
+from remanifold.io._ply import write_ply
+from remanifold.io._source import (
+    FloatArray,
+    IntArray,
+    StrPath,
+    described,
+    is_standard,
+    suffix_of,
+)
+from remanifold.io._stl import write_stl
+from remanifold.io._tables import (
+    RESERVED,
+    write_csv,
+    write_npy,
+    write_npz,
+    write_table,
+)
+from remanifold.io._vtk import write_vtk
+from remanifold.io._vtu import write_vtu
+
+if TYPE_CHECKING:
+    from remanifold.simplicial_complex import SimplicialComplex
+
+
+class Writer(NamedTuple):
+    """A format: how it is written and what it can hold."""
+
+    write: Callable[[IO[bytes], FileMesh], None]
+    dims: tuple[int, ...] | None = None  # of simplices, all if None
+    three: bool = True  # points have three coordinates
+    points: bool = True  # without simplices
+    fields: bool = False
+
+
+WRITERS: dict[str, Writer] = {
+    ".ply": Writer(write_ply, (1, 2), fields=True),
+    ".obj": Writer(write_obj, (1, 2)),
+    ".off": Writer(write_off, (2,), three=False),
+    ".stl": Writer(write_stl, (2,), points=False),
+    ".vtk": Writer(write_vtk, (1, 2, 3), fields=True),
+    ".vtu": Writer(write_vtu, (1, 2, 3), fields=True),
+    ".glb": Writer(write_glb, (1, 2), points=False, fields=True),
+    ".gltf": Writer(write_gltf, (1, 2), points=False, fields=True),
+    ".npz": Writer(write_npz, None, three=False, fields=True),
+    ".npy": Writer(write_npy, (), three=False),
+    ".csv": Writer(write_csv, (), three=False),
+    ".txt": Writer(write_table, (), three=False),
+    ".xyz": Writer(write_table, (), three=False),
+}
+MESH_WRITERS = tuple(s for s, writer in WRITERS.items() if writer.dims != ())
+POINT_WRITERS = tuple(s for s, writer in WRITERS.items() if writer.points)
+FIELD_WRITERS = tuple(s for s, writer in WRITERS.items() if writer.fields)
+
+
+def write_mesh(
+    path: StrPath,
+    vertices: ArrayLike,
+    simplices: ArrayLike,
+    *,
+    fields: Mapping[str, ArrayLike] | None = None,
+    format: str | None = None,
+) -> None:
+    """Write vertices and simplices to a file.
+
+    Parameters
+    ----------
+    path : str or path-like
+        The file; its suffix names the format. A file of that name is replaced, but
+        only when the new one is complete. "-" is standard output.
+
+        ========== ============= ============================= ======
+        suffix     dimension D   simplices                     fields
+        ========== ============= ============================= ======
+        ``.npz``   any           any                           yes
+        ``.ply``   up to 3       edges, triangles              yes
+        ``.obj``   up to 3       edges, triangles              no
+        ``.off``   any           triangles                     no
+        ``.stl``   up to 3       triangles                     no
+        ``.vtk``   up to 3       edges, triangles, tetrahedra  yes
+        ``.vtu``   up to 3       edges, triangles, tetrahedra  yes
+        ``.glb``   up to 3       edges, triangles              yes
+        ``.gltf``  up to 3       edges, triangles              yes
+        ========== ============= ============================= ======
+
+        An archive holds the arrays ``points`` and ``simplices``, and each field by its
+        name. In the other formats points of fewer than three coordinates are filled up
+        with zeros. OFF is nOFF beyond three. STL repeats the corners of each triangle
+        and has no vertices of its own. glTF is in single precision; all others keep
+        each bit.
+    vertices : array_like of shape (N, D)
+        Coordinates, real numbers.
+    simplices : array_like of shape (M, K + 1)
+        Indices of vertices.
+    fields : mapping of str to array_like, optional
+        Values at the vertices, of shape (N,) or (N, C): numbers or bool. In PLY
+        ``normals`` are written as nx, ny, nz and ``colors`` as red, green, blue, alpha,
+        in glTF as what shaders use.
+    format : str, optional
+        The format by its suffix, such as "ply", whatever the name of the file.
+
+    Raises
+    ------
+    ValueError
+        If the format cannot hold the mesh, or the arrays do not fit together.
+    OSError
+        If the file cannot be written. Nothing is left behind.
+
+    Examples
+    --------
+    >>> import remanifold as rm
+    >>> rm.io.write_mesh("mesh.ply", rec.vertices, rec.simplices)  # doctest: +SKIP
+    """
+    points, cells = _check_mesh(vertices, simplices)
+    mesh = FileMesh(points, {cells.shape[1]: cells}, check_fields(fields, len(points)))
+    check_output(path, cells.shape[1] - 1, points.shape[1], format=format)
+    _write(path, mesh, format, MESH_WRITERS)
+
+
+def write_complex(
+    path: StrPath,
+    complex: SimplicialComplex,
+    fields: Mapping[str, ArrayLike] | None = None,
+    *,
+    format: str | None = None,
+) -> None:
+    """Write a complex to a file.
+
+    Parameters
+    ----------
+    path : str or path-like
+        The file; its suffix names the format, as for `write_mesh`.
+    complex : SimplicialComplex
+        Its vertices must have coordinates.
+    fields : mapping of str to array_like, optional
+        Values at the vertices, of shape (N,) or (N, C): numbers or bool.
+    format : str, optional
+        The format by its suffix, such as "ply", whatever the name of the file.
+
+    Raises
+    ------
+    ValueError
+        If the format cannot hold the complex, or it has no coordinates.
+    OSError
+        If the file cannot be written. Nothing is left behind.
+
+    Examples
+    --------
+    >>> import remanifold as rm
+    >>> rm.io.write_complex("mesh.vtu", rec, {"spacing": s})  # doctest: +SKIP
+    """
+    check_complex(complex)
+    if complex.vertices is None:
+        msg = (
+            "complex has no coordinates, only inner products or distances: write its "
+            "simplices with numpy.save"
+        )
+        raise ValueError(msg)
+    write_mesh(path, complex.vertices, complex.simplices, fields=fields, format=format)
+
+
+def write_points(
+    path: StrPath,
+    points: ArrayLike,
+    *,
+    fields: Mapping[str, ArrayLike] | None = None,
+    format: str | None = None,
+) -> None:
+    """Write points to a file.
+
+    Parameters
+    ----------
+    path : str or path-like
+        The file; its suffix names the format. Of any dimension: ``.npy``, ``.npz``,
+        ``.csv``, ``.txt``, ``.xyz`` and ``.off``; up to three coordinates: ``.ply``,
+        ``.obj``, ``.vtk`` and ``.vtu``, filled up with zeros. "-" is standard output.
+    points : array_like of shape (N, D)
+        Coordinates, real numbers.
+    fields : mapping of str to array_like, optional
+        Values at the points, for ``.npz``, ``.ply``, ``.vtk`` and ``.vtu``.
+    format : str, optional
+        The format by its suffix, such as "csv", whatever the name of the file.
+
+    Raises
+    ------
+    ValueError
+        If the format cannot hold the points.
+    OSError
+        If the file cannot be written. Nothing is left behind.
+
+    Examples
+    --------
+    >>> import remanifold as rm
+    >>> rm.io.write_points("sphere.csv", rm.datasets.sphere(99))  # doctest: +SKIP
+    """
+    array = _check_vertices(points, "points")
+    mesh = FileMesh(array, {}, check_fields(fields, len(array)))
+    suffix = suffix_of(path, format, POINT_WRITERS)
+    if suffix not in POINT_WRITERS:
+        msg = (
+            f"{path}: cannot write points to {described(suffix)}; "
+            f"use one of {', '.join(POINT_WRITERS)}"
+        )
+        raise ValueError(msg)
+    if WRITERS[suffix].three and array.shape[1] > 3:
+        _refuse_coordinates(path, suffix, array.shape[1], POINT_WRITERS)
+    _check_target(path)
+    _write(path, mesh, format, POINT_WRITERS)
+
+
+def check_output(
+    path: StrPath,
+    dim: int | None = None,
+    ambient_dim: int | None = None,
+    *,
+    format: str | None = None,
+) -> Path:
+    """Check that a mesh can be written to a file, before any work is done for it.
+
+    Parameters
+    ----------
+    path : str or path-like
+        The file to write to; its suffix names the format.
+    dim : int, optional
+        Dimension K of the simplices, if it is known already.
+    ambient_dim : int, optional
+        Number of coordinates, if it is known already.
+    format : str, optional
+        The format by its suffix, such as "ply", whatever the name of the file.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    ValueError
+        If the format is unknown or cannot hold such a mesh; the message names the
+        formats that can.
+    OSError
+        If there is no such folder, or no file can be written to it.
+    """
+    suffix = suffix_of(path, format, MESH_WRITERS)
+    if suffix not in MESH_WRITERS:
+        msg = (
+            f"{path}: cannot write a mesh to {described(suffix)}; "
+            f"use one of {', '.join(MESH_WRITERS)}"
+        )
+        raise ValueError(msg)
+
+    def holds(suffix: str) -> bool:
+        writer = WRITERS[suffix]
+        if writer.three and ambient_dim is not None and ambient_dim > 3:
+            return False
+        return dim is None or writer.dims is None or dim in writer.dims
+
+    if not holds(suffix):
+        dims = WRITERS[suffix].dims
+        fitting = tuple(other for other in MESH_WRITERS if holds(other))
+        if dims is None or dim is None or dim in dims:
+            assert ambient_dim is not None
+            _refuse_coordinates(path, suffix, ambient_dim, fitting)
+        assert dim is not None
+        others = ", ".join(fitting)
+        msg = f"{path}: {suffix} cannot hold {simplex_name(dim)}; use {others}"
+        raise ValueError(msg)
+    return _check_target(path)
+
+
+def _refuse_coordinates(
+    path: StrPath, suffix: str, number: int, fitting: tuple[str, ...]
+) -> None:
+    others = ", ".join(s for s in fitting if not WRITERS[s].three)
+    msg = f"{path}: {suffix} cannot hold points with {number} coordinates; use {others}"
+    raise ValueError(msg)
+
+
+def _check_target(path: StrPath) -> Path:
+    path = Path(path)
+    if is_standard(path):
+        return path
+    if path.is_dir():
+        msg = f"{path}: is a directory, expected the name of a file"
+        raise IsADirectoryError(msg)
+    if path.exists() and not path.is_file():
+        msg = f"{path}: is not a regular file"
+        raise ValueError(msg)
+    folder = _final(path).parent
+    if not folder.is_dir():
+        msg = f"{path}: the folder {folder} does not exist"
+        raise FileNotFoundError(msg)
+    if not os.access(folder, os.W_OK):
+        msg = f"{path}: no permission to write to the folder {folder}"
+        raise PermissionError(msg)
+    return path
+
+
+def _final(path: Path) -> Path:
+    """Follow links: a file behind a link is replaced, not the link."""
+    return Path(os.path.realpath(path))
+
+
+def _write(
+    path: StrPath, mesh: FileMesh, format: str | None, known: tuple[str, ...]
+) -> None:
+    suffix = suffix_of(path, format, known)
+    writer = WRITERS[suffix]
+    if mesh.fields and not writer.fields:
+        names = ", ".join(map(repr, mesh.fields))
+        others = ", ".join(other for other in FIELD_WRITERS if other in known)
+        msg = f"{path}: {suffix} cannot hold the fields {names}; use {others}"
+        raise ValueError(msg)
+    if suffix == ".npz":
+        for name in RESERVED:
+            if name in mesh.fields:
+                msg = f"fields: {name!r} is an array that each .npz file has itself"
+                raise ValueError(msg)
+    missing = 3 - mesh.points.shape[1]
+    if missing > 0 and (writer.three or (suffix == ".off" and mesh.cells)):
+        mesh.points = np.pad(mesh.points, ((0, 0), (0, missing)))
+    if is_standard(path):
+        # Complete before the first byte goes out.
+        held = io.BytesIO()
+        writer.write(held, mesh)
+        sys.stdout.flush()
+        sys.stdout.buffer.write(held.getvalue())
+        sys.stdout.buffer.flush()
+        return
+    target = Path(path)
+    # Written beside the target, so that the last step is a rename within one folder.
+    final = _final(target)
+    partial = final.with_name(f".{final.stem}-{secrets.token_hex(6)}{suffix}")
+    try:
+        with partial.open("wb") as file:
+            writer.write(file, mesh)
+        partial.replace(final)
+    except OSError as error:
+        msg = f"{target}: cannot write the file ({error.strerror or error})"
+        raise OSError(error.errno, msg) from error
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def _check_vertices(vertices: ArrayLike, name: str) -> FloatArray:
+    points = np.asarray(vertices)
+    if points.ndim != 2 or points.shape[1] == 0 or points.dtype.kind not in "biuf":
+        msg = (
+            f"{name} must be real numbers of shape (N, D), "
+            f"got {points.dtype} {points.shape}"
+        )
+        raise ValueError(msg)
+    return points.astype(np.float64)
+
+
+def _check_mesh(
+    vertices: ArrayLike, simplices: ArrayLike
+) -> tuple[FloatArray, IntArray]:
+    points = _check_vertices(vertices, "vertices")
+    cells = np.asarray(simplices)
+    if cells.ndim != 2 or cells.shape[1] < 2 or cells.dtype.kind not in "iu":
+        msg = (
+            "simplices must be integers of shape (M, K + 1) with K >= 1, "
+            f"got {cells.dtype} {cells.shape}"
+        )
+        raise ValueError(msg)
+    if cells.size and not 0 <= cells.min() <= cells.max() < len(points):
+        msg = (
+            f"simplices must hold indices from 0 to {len(points) - 1}, "
+            f"got {cells.min()} to {cells.max()}"
+        )
+        raise ValueError(msg)
+    return points, cells.astype(np.int64)
+
+
+def holds_fields(path: StrPath, format: str | None = None) -> bool:
+    """Whether a file of this name holds values at the vertices."""
+    return suffix_of(path, format, tuple(WRITERS)) in FIELD_WRITERS
+
+
+def check_fields(fields: Any, num_vertices: int) -> dict[str, NDArray[Any]]:
+    """Check names and shapes of values at the vertices."""
+    if fields is None:
+        return {}
+    if not isinstance(fields, Mapping):
+        msg = f"fields must map names to arrays, got {type(fields).__name__}"
+        raise TypeError(msg)
+    checked = {}
+    for name, values in fields.items():
+        if not isinstance(name, str) or not name or not name.isprintable():
+            msg = f"fields: {name!r} is no name; use letters, digits and underscores"
+            raise ValueError(msg)
+        array = np.asarray(values)
+        if array.dtype.kind not in "biuf":
+            msg = f"fields[{name!r}] holds {array.dtype}, expected numbers or bool"
+            raise ValueError(msg)
+        if (
+            array.ndim not in (1, 2)
+            or len(array) != num_vertices
+            or (array.ndim == 2 and array.shape[1] == 0)
+        ):
+            msg = (
+                f"fields[{name!r}] has shape {array.shape}, expected "
+                f"({num_vertices},) or ({num_vertices}, C), a row for each vertex"
+            )
+            raise ValueError(msg)
+        checked[name] = array
+    return checked

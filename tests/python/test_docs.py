@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The pages name everything there is."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+import remanifold as rm
+
+ROOT = Path(__file__).resolve().parents[2]
+DOCS = ROOT / "docs"
+
+
+def text(path):
+    return path.read_text(encoding="utf-8")
+
+
+def test_api_has_every_public_name():
+    public = set(rm.__all__) - {"__version__", "datasets", "io"}
+    api = [text(path) for path in (DOCS / "api").glob("*.md")]
+    described = re.findall(r"(?m)^\.\. auto(?:class|function):: (\w+)$", "\n".join(api))
+    assert sorted(described) == sorted(public)
+    listed = re.findall(r"(?m)^   ([A-Za-z_]+)$", text(DOCS / "api" / "index.md"))
+    assert sorted(listed) == sorted(public)
+
+
+def test_api_has_every_module():
+    pages = {path.stem for path in (DOCS / "api").glob("*.md")}
+    assert {"datasets", "io"} <= pages
+    for name in pages:
+        assert f"({name}.md)" in text(DOCS / "api" / "index.md") or name == "index"
+
+
+def test_cpp_api_has_every_public_header():
+    headers = {path.name for path in (ROOT / "cpp/include/remanifold").glob("*.hpp")}
+    page = text(DOCS / "cpp_api.md")
+    shown = re.findall(r"literalinclude\} \.\./cpp/include/remanifold/(\S+)", page)
+    assert sorted(shown) == sorted(headers - {"remanifold.hpp"})
+
+
+def test_every_parameter_has_its_place():
+    page = text(DOCS / "choosing_parameters.md")
+    headings = " ".join(re.findall(r"(?m)^## (.*)$", page))
+    code = rm.reconstruct.__code__
+    for name in code.co_varnames[: code.co_argcount + code.co_kwonlyargcount]:
+        assert f"`{name}`" in headings, name
+
+
+def test_every_page_is_in_a_table_of_contents():
+    """The site says so too, as a warning; this is sooner and needs no Sphinx."""
+    trees = {}
+    for path in DOCS.rglob("index.md"):
+        entries = re.findall(r"(?s)```\{toctree\}\n(.*?)```", text(path))
+        rows = "\n".join(entries).splitlines()
+        trees[path] = {path.parent / f"{row}.md" for row in rows if row[:1].isalpha()}
+    listed = set().union(*trees.values())
+    assert listed | {DOCS / "index.md"} == set(DOCS.rglob("*.md"))
+
+
+# A page, what was measured there, and what the page of parameters says of it.
+QUOTED = (
+    ("how_it_works.md", "| 1.0 | 17 |", "both stay open, and 15 ordinary gaps"),
+    ("how_it_works.md", "| 1.5 | 2 |", "| 1.5 | both stay open |"),
+    ("how_it_works.md", "| 4.0 | 1 |", "| 2.0 to 4.0 | the gap is closed"),
+    ("how_it_works.md", "| 5.0 | 0 |", "| 5.0 and more | both are closed |"),
+    ("how_it_works.md", "in h of its rim | 4.6 |", "an opening of 4.6 scales"),
+    ("how_it_works.md", "radius of the gap in median h | 2.0 |", "a gap of 2.0"),
+    ("how_it_works.md", "11.62° | 6.65° | 1.80°", 'that of `"pca"` 6.65'),
+    ("how_it_works.md", "1.80° | 1.08° | 0.04°", "0.04, 1.08 and 1.80"),
+    ("noise_and_outliers.md", "1,577 of 1,800", "1,577 of 1,800 were found"),
+    ("noise_and_outliers.md", "562 of 600 instead of 527", "562 of 600 instead of 527"),
+    ("noise_and_outliers.md", "0.50 | 0.12 | 0.29", "0.04, 0.07, 0.12 and 0.25"),
+    ("noise_and_outliers.md", "0.5 | 3 of 3 | 0.50 | 0.50", "right in 3 of 3"),
+    ("real_data.md", "| none | 2 | 1 | 8.0 |", "8.0 seconds instead of 6.2"),
+    ("real_data.md", "two components are left of four", "four components to two"),
+    ("benchmarks.md", "Two threads, at rest: 1.7 to 1.8", "are 1.7 to 1.8 times"),
+    ("limits.md", "nearer to each other than 6e-8", "nearer than 6e-8"),
+)
+
+
+@pytest.mark.parametrize(("name", "measured", "said"), QUOTED)
+def test_what_the_page_of_parameters_says_was_measured(name, measured, said):
+    assert measured in " ".join(text(DOCS / name).split())
+    assert said in " ".join(text(DOCS / "choosing_parameters.md").split())
+
+
+def plain(title):
+    return re.sub(r"\W+", " ", title).strip().lower()
+
+
+PAGES = sorted(set(DOCS.rglob("*.md")) - {DOCS / "references.md"})
+
+
+@pytest.mark.parametrize("path", PAGES, ids=lambda path: path.stem)
+def test_sources_of_the_pages_are_among_the_references(path):
+    known = plain(text(DOCS / "references.md"))
+    sources = re.split(r"(?m)^## (?:References|Sources?)$", text(path))[1:]
+    for title in re.findall(r"(?s)(?<!\*)\*([^*]{15,}?)\*(?!\*)", "\n".join(sources)):
+        assert plain(title) in known, title
