@@ -271,6 +271,39 @@ def ring(axes, atoms, offset, color):
     )
 
 
+def shape_space(page):
+    fish, rec = page["fish"], page["rec"]
+    picture, axes = plt.subplots(
+        1, 3, figsize=(9, 4.6), width_ratios=(1.3, 1, 1), layout="constrained"
+    )
+    centered = fish - fish.mean(axis=0)
+    main = np.linalg.svd(np.hstack([centered.real, centered.imag]), full_matrices=False)
+    flat = main[0][:, :3] * main[1][:3]
+    flat[:, 2] *= 2.0
+    draw_simplices(axes[0], flat, rec.simplices, (25.0, 35.0), line_width=0.3)
+    seen = project(flat, (25.0, 35.0))[page["path"], :2]
+    axes[0].plot(*seen.T, "-o", color=SAMPLE_COLOR, markersize=3)
+    axes[0].plot(*seen[[0, -1]].T, "--", color=ALARM_COLOR)
+    axes[0].set_title("400 outlines, three main coordinates", fontsize=9)
+
+    path = page["path"]
+    chosen = np.linspace(0, len(path) - 1, 7).round().astype(int)
+    first, last = fish[path[0]], fish[path[-1]]
+    for k, at in enumerate(chosen):
+        outline(axes[1], fish[path[at]] - 0.42j * k, SAMPLE_COLOR)
+        mixed = first + (last - first) * k / 6
+        outline(axes[2], mixed - 0.42j * k, ALARM_COLOR)
+    plain(axes[1], "along the manifold")
+    plain(axes[2], "along a straight line")
+    return picture
+
+
+def outline(axes, curve, color):
+    curve = closed(curve)
+    axes.fill(curve.real, curve.imag, facecolor=color, alpha=0.25)
+    axes.plot(curve.real, curve.imag, color=color, linewidth=1)
+
+
 DRAWN = {
     draw.__name__: draw
     for draw in (
@@ -278,6 +311,7 @@ DRAWN = {
         coastlines,
         rotations,
         rotated_images,
+        shape_space,
         ring_molecule,
         linkage,
     )

@@ -168,6 +168,48 @@ def test_rotated_images_are_in_the_order_of_their_angles():
     assert not is_sorted(np.array([0, 2, 1, 3]))
 
 
+def test_shape_space_is_a_cylinder():
+    rec = page("shape_space")["rec"]
+    topology = rec.topology()
+    assert topology.manifold
+    assert topology.orientable
+    assert topology.betti_numbers == (1, 1, 0)
+    assert topology.boundary_components == 2
+    assert rec.quality.ok
+
+
+def test_shape_space_removes_noise():
+    variables = page("shape_space")
+    norm, true = variables["norm"], variables["true"]
+    before, after = (norm(variables[n] - true) for n in ("noisy", "cleaned"))
+    assert 12 < before / after < 14
+    # What the projection says of distances, from the curves themselves.
+    assert norm(variables["noisy"] - variables["cleaned"]) == pytest.approx(
+        variables["found"].distances[0], rel=1e-6
+    )
+
+
+def test_path_of_shapes_stays_among_them_and_a_straight_line_does_not():
+    variables = page("shape_space")
+    norm, outlines = variables["norm"], variables["outlines"]
+    phase, width = np.meshgrid(
+        np.linspace(0, 2 * np.pi, 361), np.linspace(0.08, 0.25, 18)
+    )
+    all_shapes = outlines(phase.ravel(), width.ravel())
+
+    def off(curve):
+        return norm(all_shapes - curve).min()
+
+    assert off(variables["half_way"]) > 0.05
+    assert max(map(off, variables["steps"])) < 0.004
+    edges = {frozenset(edge) for edge in variables["rec"].edges.tolist()}
+    path = variables["path"]
+    assert {frozenset(pair) for pair in zip(path[1:], path[:-1], strict=True)} <= edges
+    # The wave runs once in one direction over half a period.
+    turned = np.unwrap(variables["phase"][path])
+    assert abs(turned[-1] - turned[0]) == pytest.approx(np.pi, abs=0.2)
+
+
 def test_ring_molecule_has_a_circle_and_two_chairs():
     variables = page("ring_molecule")
     rec, atoms = variables["rec"], variables["atoms"]
