@@ -2,8 +2,9 @@
 """The command line: ``remanifold reconstruct INPUT --dim K -o OUT``.
 
 ``remanifold dimension INPUT`` finds K, ``remanifold info FILE`` tells what a file holds,
-``remanifold convert INPUT OUTPUT`` writes it in another format. The result goes to a
-file, the report to standard output, everything else to standard error; where the result
+``remanifold convert INPUT OUTPUT`` writes it in another format, ``remanifold project
+MESH POINTS`` finds the nearest points of a mesh, ``remanifold report`` writes a page and
+``remanifold view`` draws. The result goes to a file, the report to standard output, everything else to standard error; where the result
 takes standard output the report goes to standard error too. Exit codes: 0 done, 1 the run
 or a file failed, 2 wrong usage, 130 interrupted.
 
@@ -17,7 +18,15 @@ from typing import Annotated
 import typer
 
 import remanifold as rm
-from remanifold.cli import convert, dimension, info, reconstruct, report, view
+from remanifold.cli import (
+    convert,
+    dimension,
+    info,
+    project,
+    reconstruct,
+    report,
+    view,
+)
 from remanifold.cli._common import examples
 
 __all__ = ["app", "main"]
@@ -29,6 +38,9 @@ app = typer.Typer(
         "remanifold info scan.ply",
         "remanifold dimension scan.ply",
         "remanifold reconstruct scan.ply --dim 2 -o mesh.ply",
+        "remanifold report scan.ply --dim 2 -o report.html",
+        "remanifold view mesh.ply",
+        "remanifold project mesh.ply points.csv -o nearest.npz",
         "remanifold convert mesh.ply mesh.vtu",
     )
     + "\n\nEach command has its own --help.",
@@ -68,6 +80,7 @@ for module, command in (
     (info, info.info),
     (convert, convert.convert),
     (report, report.report),
+    (project, project.project),
     (view, view.view),
 ):
     app.command(epilog=module.EPILOG)(command)
