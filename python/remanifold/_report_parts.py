@@ -22,6 +22,7 @@ from remanifold._html import (
     text,
 )
 from remanifold._measures import angles, edge_ratios, shapes
+from remanifold.topology import simplex_names
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -31,18 +32,10 @@ if TYPE_CHECKING:
     from remanifold.reconstruction import Reconstruction
     from remanifold.topology import Topology
 
-# More would take longer than the reconstruction.
-MOST_FOR_HOMOLOGY = 200_000
 MOST_SAMPLES = 100  # in a table
 MOST_PLACES = 50
 COORDINATES = 6
 YES_NO = {True: "yes", False: "no"}
-
-
-def simplex_names(dim: int) -> list[str]:
-    """Name the simplices of dimension 0 to ``dim``."""
-    names = ["vertices", "edges", "triangles", "tetrahedra"]
-    return (names + [f"{k}-simplices" for k in range(4, dim + 1)])[: dim + 1]
 
 
 def verdict(rec: Reconstruction) -> str:
@@ -65,7 +58,7 @@ def topology(rec: Reconstruction) -> str:
     found = rec.topology()
     names = simplex_names(rec.dim)
     over_2, over_3 = "not computed: too many simplices", ""
-    if found.counting_settles_homology or found.num_simplices[-1] <= MOST_FOR_HOMOLOGY:
+    if found.homology_is_cheap:
         over_2 = _list(found.betti_numbers)
         over_3 = _list(found.betti_numbers_mod3)
     rows: list[tuple[str, object]] = [

@@ -19,6 +19,14 @@ if TYPE_CHECKING:
 
     from remanifold._progress import Callback
 
+_MANY_FOR_ALGEBRA = 200_000  # simplices
+
+
+def simplex_names(dim: int) -> list[str]:
+    """Name the simplices of dimension 0 to ``dim``."""
+    names = ["vertices", "edges", "triangles", "tetrahedra"]
+    return (names + [f"{k}-simplices" for k in range(4, dim + 1)])[: dim + 1]
+
 
 @dataclass(frozen=True, eq=False)
 class Topology(ReadOnlyArrays):
@@ -87,6 +95,14 @@ class Topology(ReadOnlyArrays):
             self.num_simplices[-1] == 0
             or self.dim <= 1
             or (self.dim == 2 and self._closed_patches is not None)
+        )
+
+    @property
+    def homology_is_cheap(self) -> bool:
+        """Whether the Betti numbers take no longer than a reconstruction."""
+        return (
+            self.counting_settles_homology
+            or self.num_simplices[-1] <= _MANY_FOR_ALGEBRA
         )
 
     @functools.cached_property

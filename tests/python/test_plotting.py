@@ -170,6 +170,15 @@ def test_auto_takes_what_keeps_the_edges_better(rotations):
     assert rm.embed(rm.SimplicialComplex(lifted(flat, 6), triangles)).method == "pca"
 
 
+def test_embed_refuses_what_it_cannot_do(rotations):
+    with pytest.raises(ValueError, match=r"method .*'best'.*geodesic"):
+        rm.embed(rotations, "best")
+    with pytest.raises(
+        TypeError, match="complex must be a SimplicialComplex, got list"
+    ):
+        rm.embed([[0, 1]])
+
+
 def test_embeddings_are_reproducible(rotations):
     for method in ("pca", "geodesic"):
         first, second = (rm.embed(rotations, method) for _ in range(2))

@@ -19,9 +19,6 @@ from remanifold.io._source import is_standard
 from remanifold.io.reading import READERS
 from remanifold.io.writing import WRITERS
 
-# More would take longer than the reconstruction.
-MAX_SIMPLICES_FOR_ALGEBRA = 200_000
-
 
 def messages_console() -> Console:
     """Console of standard error, for messages and progress."""
@@ -169,9 +166,3 @@ def rows_table(rows: dict[str, str]) -> Table:
     for name, value in rows.items():
         table.add_row(name, Text(value))
     return table
-
-
-def simplex_names(dim: int) -> list[str]:
-    """Name the simplices of dimension 0 to ``dim``."""
-    names = ["vertices", "edges", "triangles", "tetrahedra"]
-    return (names + [f"{k}-simplices" for k in range(4, dim + 1)])[: dim + 1]

@@ -19,7 +19,6 @@ from remanifold.cli._common import (
     messages_console,
     refuse_same_file,
     say,
-    simplex_names,
     split_formats,
 )
 from remanifold.io import write_mesh, write_points
@@ -27,6 +26,7 @@ from remanifold.io._mesh import FileMesh, choose_simplices, without_degenerate
 from remanifold.io._source import described, is_standard, suffix_of
 from remanifold.io.reading import read_file
 from remanifold.io.writing import FIELD_WRITERS, MESH_WRITERS, WRITERS
+from remanifold.topology import simplex_names
 
 EPILOG = examples(
     "remanifold convert mesh.ply mesh.vtu",

@@ -14,7 +14,6 @@ from rich.table import Table
 
 import remanifold as rm
 from remanifold.cli._common import (
-    MAX_SIMPLICES_FOR_ALGEBRA,
     FormatOption,
     JsonOption,
     ThreadsOption,
@@ -24,12 +23,12 @@ from remanifold.cli._common import (
     print_report,
     rows_table,
     say,
-    simplex_names,
     split_formats,
 )
 from remanifold.io._mesh import FileMesh, choose_simplices, without_degenerate
 from remanifold.io._source import Source
 from remanifold.io.reading import read_file
+from remanifold.topology import simplex_names
 
 EPILOG = examples(
     "remanifold info scan.laz",
@@ -129,7 +128,6 @@ def _complex(file: Source, mesh: FileMesh, dim: int | None) -> dict[str, Any]:
     if simplices.shape[1] < 2:
         return report
     topology = rm.compute_topology(simplices, len(mesh.points))
-    algebra = topology.num_simplices[-1] <= MAX_SIMPLICES_FOR_ALGEBRA
     report["unused_vertices"] = len(mesh.points) - len(np.unique(simplices))
     report["topology"] = {
         "dim": topology.dim,
@@ -137,9 +135,7 @@ def _complex(file: Source, mesh: FileMesh, dim: int | None) -> dict[str, Any]:
         "euler_characteristic": topology.euler_characteristic,
         "components": topology.components,
         "betti_numbers": (
-            list(topology.betti_numbers)
-            if topology.counting_settles_homology or algebra
-            else None
+            list(topology.betti_numbers) if topology.homology_is_cheap else None
         ),
         "manifold": topology.manifold,
         "closed": topology.closed,

@@ -21,13 +21,13 @@ from remanifold.cli._common import (
     print_report,
     refuse_same_file,
     rows_table,
-    simplex_names,
     split_formats,
     timed,
 )
 from remanifold.io import read_complex, read_points, write_points
 from remanifold.io._source import is_standard, suffix_of
 from remanifold.io.writing import FIELD_WRITERS, POINT_WRITERS
+from remanifold.topology import simplex_names
 
 EPILOG = examples(
     "remanifold project mesh.ply points.csv -o nearest.npz",

@@ -12,7 +12,6 @@ from rich.table import Table
 
 import remanifold as rm
 from remanifold.cli._common import (
-    MAX_SIMPLICES_FOR_ALGEBRA,
     FormatOption,
     JsonOption,
     OutputFormatOption,
@@ -25,7 +24,6 @@ from remanifold.cli._common import (
     refuse_same_file,
     rows_table,
     say,
-    simplex_names,
     split_formats,
     timed,
 )
@@ -49,6 +47,7 @@ from remanifold.cli.dimension import dim_report
 from remanifold.io import check_output, write_mesh
 from remanifold.io._source import is_standard
 from remanifold.io.writing import holds_fields
+from remanifold.topology import simplex_names
 
 EPILOG = examples(
     "remanifold reconstruct scan.ply --dim 2 -o mesh.ply",
@@ -182,10 +181,7 @@ def _report(rec: rm.Reconstruction) -> dict[str, Any]:
         "euler_characteristic": topology.euler_characteristic,
         "components": topology.components,
         "betti_numbers": (
-            list(topology.betti_numbers)
-            if topology.counting_settles_homology
-            or topology.num_simplices[-1] <= MAX_SIMPLICES_FOR_ALGEBRA
-            else None
+            list(topology.betti_numbers) if topology.homology_is_cheap else None
         ),
         "manifold": topology.manifold,
         "closed": topology.closed,
