@@ -49,7 +49,7 @@ def write_report(
     Parameters
     ----------
     rec : Reconstruction
-        What to show. Its `quality` is computed if it is not yet.
+        What to show. Its `Reconstruction.quality` is computed if it is not yet.
     path : path-like
         File to write, ``.html`` or ``.htm``; replaced when the new one is complete.
     title : str, optional
