@@ -77,7 +77,10 @@ def convert(
         bool, typer.Option("--quiet", "-q", help="Say nothing but errors.")
     ] = False,
 ) -> None:
-    """Write points or a mesh in another format, with the fields of its vertices."""
+    """Write points or a mesh in another format.
+
+    Values at the vertices go along where the format holds them.
+    """
     messages = messages_console()
     with failures(messages):
         format, output_format = split_formats(source, output, format, output_format)

@@ -54,7 +54,10 @@ def dimension(
         bool, typer.Option("--quiet", "-q", help="No progress or warnings.")
     ] = False,
 ) -> None:
-    """Estimate the dimension of the manifold that the samples lie on."""
+    """Estimate the dimension of the manifold.
+
+    It is that on which the samples lie, whatever space that lies in.
+    """
     messages = messages_console()
     with failures(messages):
         format, _ = split_formats(source, None, format, None)

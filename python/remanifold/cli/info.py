@@ -58,7 +58,10 @@ def info(
     threads: ThreadsOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Tell what a file holds: counts, extent, spacing, fields, topology."""
+    """Tell what a file of points or a mesh holds.
+
+    Counts, extent, spacing, fields and, of a mesh, its topology.
+    """
     messages = messages_console()
     with failures(messages):
         format, _ = split_formats(source, None, format, None)

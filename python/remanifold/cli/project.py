@@ -79,7 +79,10 @@ def project(
         bool, typer.Option("--quiet", "-q", help="No progress and no table.")
     ] = False,
 ) -> None:
-    """Find the nearest points of a mesh, exactly, in any dimension."""
+    """Find the nearest points of a mesh.
+
+    Exactly, in any dimension, with their distances.
+    """
     messages = messages_console()
     with failures(messages):
         format, output_format = split_formats(source, output, format, output_format)

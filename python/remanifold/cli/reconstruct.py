@@ -101,7 +101,10 @@ def reconstruct(
     as_json: JsonOption = False,
     quiet: Quiet = False,
 ) -> None:
-    """Reconstruct a manifold from samples and write it as a mesh."""
+    """Reconstruct a manifold and write it.
+
+    From samples to a mesh, with a table of what was found.
+    """
     messages = messages_console()
     options = Options(
         method=method,

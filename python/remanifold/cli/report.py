@@ -68,7 +68,10 @@ def report(
     threads: ThreadsOption = None,
     quiet: Quiet = False,
 ) -> None:
-    """Reconstruct a manifold and show it on a page of HTML that needs no network."""
+    """Reconstruct a manifold, and make a page of it.
+
+    One file of HTML that needs no network, with the complex to turn and all figures.
+    """
     messages = messages_console()
     options = Options(
         method=method,

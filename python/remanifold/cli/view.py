@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 import remanifold as rm
+from remanifold._draw_pyvista import has_display
 from remanifold._scene import STYLES
 from remanifold.cli._common import choice, examples, failures, messages_console
 from remanifold.plotting import BACKENDS
@@ -47,11 +48,20 @@ def view(
     ] = "auto",
     backend: Annotated[str, choice(BACKENDS, "Library that draws.")] = "auto",
 ) -> None:
-    """Show a mesh; beyond three dimensions, a projection that the picture names."""
+    """Draw a mesh, in a window or to a file.
+
+    Beyond three dimensions a projection is drawn, which the picture names.
+    """
     with failures(messages_console()):
         complex = rm.io.read_complex(source)
         if screenshot is not None and screenshot.suffix.lower() in (".html", ".htm"):
             backend = "plotly"
+        if screenshot is None and backend != "plotly" and not has_display():
+            msg = (
+                "there is no display to open a window on; name a picture to write, as in "
+                f"--screenshot {source.stem}.png"
+            )
+            raise OSError(msg)
         rm.plot(
             complex,
             color=color,
