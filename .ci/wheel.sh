@@ -31,7 +31,7 @@ import ensurepip, pathlib, sysconfig
 
   "$python" -m venv $work/venv-$minor
   wheel=$(echo dist/remanifold-*-cp3$minor-*.whl)
-  $work/venv-$minor/bin/python -m pip install "$wheel[gallery,test]"
+  $work/venv-$minor/bin/python -m pip install "$wheel[gallery,plot,test]"
   $work/venv-$minor/bin/remanifold --help >/dev/null
   # Away from the sources, so that nothing but the wheel can be imported.
   mkdir -p $work/tests-$minor/tests
