@@ -55,7 +55,12 @@ def test_python_on_the_pages_runs(path, tmp_path, monkeypatch, capsys):
     code = "\n".join(blocks)
     for module in re.findall(r"(?m)^(?:import|from) ([\w.]+)", code):
         pytest.importorskip(module)  # packages of the gallery may be missing
-    exec(compile(code, str(path), "exec"), {})  # noqa: S102
+    try:
+        exec(compile(code, str(path), "exec"), {})  # noqa: S102
+    except OSError as error:
+        if "libegl1" not in str(error):
+            raise
+        pytest.skip(str(error))  # PyVista has nothing to draw with
     printed = iter(capsys.readouterr().out.splitlines())
     for expected in re.findall(r"(?m)^print\(.*\)  # ([^:\n]*)", code):
         assert expected in printed  # in this order

@@ -23,7 +23,15 @@ pytest.importorskip("pyvista")
 
 from matplotlib.image import imread
 
-BACKENDS = ("pyvista", "plotly", "matplotlib")
+try:
+    _draw_pyvista.need_renderer()
+    RENDERER = ""
+except OSError as error:
+    RENDERER = str(error)
+
+rendered = pytest.mark.skipif(bool(RENDERER), reason=RENDERER)
+PYVISTA = pytest.param("pyvista", marks=rendered)
+BACKENDS = (PYVISTA, "plotly", "matplotlib")
 
 
 def grid(rows, columns):
@@ -466,7 +474,7 @@ def drawn(path):
     return (imread(path)[:, :, :3].min(axis=2) < 0.98).mean()
 
 
-@pytest.mark.parametrize("backend", ["pyvista", "matplotlib"])
+@pytest.mark.parametrize("backend", [PYVISTA, "matplotlib"])
 def test_pictures(backend, tmp_path, torus, sparse, rotations, ball):
     path = tmp_path / "picture.png"
     options = {"backend": backend, "screenshot": path, "window_size": (500, 400)}
@@ -594,9 +602,11 @@ def test_without_anything_to_draw_with(torus, monkeypatch):
     with pytest.raises(OSError, match="libegl1"):
         torus.plot(show=False)
     monkeypatch.undo()
-    _draw_pyvista.need_renderer()
+    if not RENDERER:
+        _draw_pyvista.need_renderer()
 
 
+@rendered
 @pytest.mark.usefixtures("headless")
 def test_vtk_does_not_warn_of_the_missing_display(torus, tmp_path, capfd):
     torus.plot(screenshot=tmp_path / "torus.png")
@@ -617,6 +627,7 @@ def view(*arguments):
     return CliRunner().invoke(app, ["view", *map(str, arguments)])
 
 
+@rendered
 @pytest.mark.parametrize("suffix", [".ply", ".npz", ".vtu", ".obj", ".off", ".stl"])
 def test_view_draws_meshes(suffix, tmp_path, torus):
     source, picture = tmp_path / f"mesh{suffix}", tmp_path / "mesh.png"

@@ -16,10 +16,13 @@ from sklearn.utils.estimator_checks import parametrize_with_checks
 import remanifold as rm
 from remanifold.sklearn import ManifoldReconstruction
 
-
-@parametrize_with_checks(
+CHECKS = parametrize_with_checks(
     [ManifoldReconstruction(), ManifoldReconstruction(n_components=1)]
-)
+).mark
+
+
+# Some versions of scikit-learn give a generator, which pytest is about to refuse.
+@pytest.mark.parametrize(CHECKS.args[0], [*CHECKS.args[1]], **CHECKS.kwargs)
 # The checks fit Gaussian clouds: no manifolds, and uncertain dimensions.
 @pytest.mark.filterwarnings("ignore::remanifold.ManifoldWarning")
 @pytest.mark.filterwarnings("ignore::remanifold.DimensionWarning")
