@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,10 +19,9 @@ _BLOCK = 50_000  # simplices at a time
 
 
 def squared_distances(
-    complex: SimplicialComplex, a: NDArray[np.int32], b: NDArray[np.int32]
+    kind: str, matrix: NDArray[np.float64], a: NDArray[Any], b: NDArray[Any]
 ) -> NDArray[np.float64]:
-    """Between vertices, entry by entry."""
-    kind, matrix = complex._source
+    """Between samples known by points, inner products or distances, by broadcasting."""
     if kind == "points":
         return np.asarray(((matrix[a] - matrix[b]) ** 2).sum(axis=-1))
     if kind == "gram":
@@ -31,19 +30,32 @@ def squared_distances(
     return np.asarray(matrix[a, b] ** 2)
 
 
+def edge_lengths(
+    points: NDArray[np.float64], edges: NDArray[np.int32]
+) -> NDArray[np.float64]:
+    """Lengths of edges, in blocks: the coordinates may be many."""
+    lengths = np.empty(len(edges))
+    block = max(1, 4_000_000 // points.shape[1])
+    for start in range(0, len(edges), block):
+        i, j = edges[start : start + block].T
+        lengths[start : start + block] = np.linalg.norm(points[i] - points[j], axis=1)
+    return lengths
+
+
 def _gram_matrices(
     complex: SimplicialComplex,
 ) -> Iterator[tuple[slice, NDArray[np.float64]]]:
     """Inner products of the edges that leave the first vertex, scaled to trace K."""
     rows = complex.simplices
+    source = complex._source
     dim = complex.dim
     for start in range(0, len(rows), _BLOCK):
         part = rows[start : start + _BLOCK]
         first, others = part[:, :1], part[:, 1:]
-        away = squared_distances(complex, np.broadcast_to(first, others.shape), others)
+        away = squared_distances(*source, first, others)
         gram = np.empty((len(part), dim, dim))
         for i, j in itertools.product(range(dim), repeat=2):
-            between = squared_distances(complex, others[:, i], others[:, j])
+            between = squared_distances(*source, others[:, i], others[:, j])
             gram[:, i, j] = (away[:, i] + away[:, j] - between) / 2
         size = away.mean(axis=1)
         size[size == 0] = 1.0
@@ -95,7 +107,7 @@ def angles(complex: SimplicialComplex) -> NDArray[np.float64]:
 def edge_ratios(complex: SimplicialComplex) -> NDArray[np.float64]:
     """Shorter over longer of two edges, at each vertex of a curve that has two."""
     edges = complex.simplices
-    lengths = np.sqrt(squared_distances(complex, edges[:, 0], edges[:, 1]))
+    lengths = np.sqrt(squared_distances(*complex._source, edges[:, 0], edges[:, 1]))
     ends = edges.ravel()
     order = np.argsort(ends, kind="stable")
     degree = np.bincount(ends, minlength=complex.num_vertices)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import numpy as np
 
-from remanifold import _core
+from remanifold import _core, parts
 from remanifold._measures import at_vertices, shapes
 from remanifold._thinning import thinned
 from remanifold._validation import check_choice, check_vertex_values
@@ -295,13 +295,7 @@ class _Builder:
 
 def open_faces(simplices: NDArray[np.int32]) -> NDArray[np.int32]:
     """Faces in one simplex only, (H, K), rows sorted."""
-    dim = simplices.shape[1] - 1
-    rows = np.sort(simplices, axis=1)
-    faces = np.concatenate([np.delete(rows, k, axis=1) for k in range(dim + 1)])
-    faces = faces[np.lexsort(faces.T[::-1])]
-    other = np.ones(len(faces) + 1, dtype=bool)
-    other[1:-1] = (faces[1:] != faces[:-1]).any(axis=1)
-    return np.asarray(faces[other[1:] & other[:-1]])
+    return np.sort(parts.open_faces(simplices), axis=1)
 
 
 def _reconstruction(complex: SimplicialComplex, what: str) -> Reconstruction:

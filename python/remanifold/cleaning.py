@@ -20,6 +20,7 @@ from remanifold._validation import (
     check_outliers,
     check_samples,
 )
+from remanifold.scaling import classical_scaling
 from remanifold.steps import CHECKS, EXACT_SEARCHES
 
 if TYPE_CHECKING:
@@ -231,16 +232,5 @@ def as_points(samples: Input) -> Input:
     """Coordinates for samples known by products or distances (classical scaling)."""
     if samples.kind == "points":
         return samples
-    matrix = samples.matrix
-    if samples.kind == "distances":
-        matrix = -(matrix**2) / 2
-    centered = (
-        matrix - matrix.mean(axis=0) - matrix.mean(axis=1)[:, None] + matrix.mean()
-    )
-    values, vectors = np.linalg.eigh((centered + centered.T) / 2)
-    # What is not positive beyond rounding is not Euclidean, or nothing.
-    real = values > len(values) * np.finfo(float).eps * max(values[-1], 0.0)
-    if not real.any():
-        real[-1] = True
-    coordinates = vectors[:, real] * np.sqrt(np.maximum(values[real], 0.0))
-    return Input("points", np.ascontiguousarray(coordinates))
+    coordinates = classical_scaling(*samples).coordinates
+    return Input("points", coordinates)

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from remanifold import _core
+from remanifold._measures import edge_lengths
 from remanifold._read_only import ReadOnlyArrays
-from remanifold._validation import Input, check_choice
-from remanifold.cleaning import as_points
+from remanifold._validation import check_choice, check_complex
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -93,24 +93,23 @@ def embed(complex: SimplicialComplex, method: str = "auto") -> Embedding:
     """
     check_complex(complex)
     check_choice(method, "method", METHODS)
-    given = as_points(Input(*complex._source))
-    known = complex.vertices is not None
-    dim = given.matrix.shape[1]
+    coordinates = complex.coordinates
+    count, dim = coordinates.shape
     if method == "auto" and dim <= 3:
-        points = np.zeros((len(given.matrix), 3))
-        points[:, :dim] = given.matrix if known else given.matrix[:, ::-1]
+        points = np.zeros((count, 3))
+        points[:, :dim] = coordinates
         return Embedding(points, "coordinates", "", 1.0)
-    used = np.zeros(len(given.matrix), dtype=bool)
+    used = np.zeros(count, dtype=bool)
     used[complex.simplices.ravel()] = True
     if not used.any():
         used[:] = True
-    by_pca = _pca(given.matrix, used, complex)
+    by_pca = _pca(coordinates, used, complex)
     if method == "pca" or len(complex.simplices) == 0:
         return by_pca
     if method == "auto" and by_pca.kept >= ENOUGH:
         return by_pca
     edges = _core.edges(complex.simplices, complex.num_vertices)
-    lengths = _lengths(given.matrix, edges)
+    lengths = edge_lengths(coordinates, edges)
     by_geodesics = _geodesic(complex, edges, lengths)
     if method == "geodesic":
         return by_geodesics
@@ -120,36 +119,13 @@ def embed(complex: SimplicialComplex, method: str = "auto") -> Embedding:
     return by_geodesics if better else by_pca
 
 
-def check_complex(complex: object) -> None:
-    """Refuse what is no complex."""
-    # A class that calls this module: not imported at its top.
-    from remanifold.simplicial_complex import SimplicialComplex
-
-    if not isinstance(complex, SimplicialComplex):
-        msg = f"complex must be a SimplicialComplex, got {type(complex).__name__}"
-        raise TypeError(msg)
-
-
-def _lengths(
-    points: NDArray[np.float64], edges: NDArray[np.int32]
-) -> NDArray[np.float64]:
-    """Lengths of edges, in blocks: the coordinates may be many."""
-    lengths = np.empty(len(edges))
-    block = max(1, 4_000_000 // points.shape[1])
-    for start in range(0, len(edges), block):
-        pairs = edges[start : start + block]
-        difference = points[pairs[:, 0]] - points[pairs[:, 1]]
-        lengths[start : start + block] = np.sqrt((difference**2).sum(axis=1))
-    return lengths
-
-
 def _likeness(
     points: NDArray[np.float64],
     edges: NDArray[np.int32],
     lengths: NDArray[np.float64],
 ) -> float:
     """Squared cosine between the lengths of the edges as drawn and as they are."""
-    drawn = _lengths(points, edges)
+    drawn = edge_lengths(points, edges)
     size = float(drawn @ drawn) * float(lengths @ lengths)
     return float(drawn @ lengths) ** 2 / size if size > 0 else 0.0
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from remanifold import _measures
 from remanifold._validation import check_complex
 
 if TYPE_CHECKING:
@@ -63,5 +64,4 @@ def edge_lengths(complex: SimplicialComplex) -> NDArray[np.float64]:
     if complex.vertices is None:
         msg = "complex has no coordinates, and so its edges have no known lengths"
         raise ValueError(msg)
-    i, j = complex.edges.T
-    return np.asarray(np.linalg.norm(complex.vertices[i] - complex.vertices[j], axis=1))
+    return _measures.edge_lengths(complex.vertices, complex.edges)

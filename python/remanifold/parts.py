@@ -70,16 +70,18 @@ def boundary_complex(whole: SimplicialComplex) -> Subcomplex:
     if whole.dim == 0:
         msg = "a complex of points has no boundary"
         raise ValueError(msg)
-    faces = _faces(whole.simplices)
-    if len(faces) == 0:
-        return take(whole, faces)
+    return take(whole, open_faces(whole.simplices))
+
+
+def open_faces(simplices: NDArray[np.int32]) -> NDArray[np.int32]:
+    """Faces in one simplex only, in the order of their sorted vertices."""
+    faces = _faces(simplices)
     ascending = np.sort(faces, axis=1)
     order = np.lexsort(ascending.T[::-1])
-    sorted_faces = ascending[order]
-    differs = (sorted_faces[1:] != sorted_faces[:-1]).any(axis=1)
-    first = np.concatenate([[True], differs])
-    last = np.concatenate([differs, [True]])
-    return take(whole, faces[order[first & last]])
+    ascending = ascending[order]
+    other = np.ones(len(faces) + 1, dtype=bool)
+    other[1:-1] = (ascending[1:] != ascending[:-1]).any(axis=1)
+    return np.asarray(faces[order[other[1:] & other[:-1]]])
 
 
 def _faces(simplices: NDArray[np.int32]) -> NDArray[np.int32]:

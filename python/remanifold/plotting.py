@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from remanifold._draw_pyvista import has_display, need_renderer, plotter, quiet
 from remanifold._optional import load
 from remanifold._scene import scene_of
-from remanifold._validation import check_choice, check_int
+from remanifold._validation import check_choice, check_complex, check_int
 from remanifold.embedding import METHODS as EMBEDDINGS
-from remanifold.embedding import check_complex, embed
+from remanifold.embedding import embed
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike

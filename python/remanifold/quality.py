@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from remanifold import _core
+from remanifold._measures import squared_distances
 from remanifold._read_only import ReadOnlyArrays
 from remanifold.singularities import find_singularities
 from remanifold.steps import CHECKS
@@ -279,15 +280,10 @@ class _Findings:
         return np.flatnonzero(mask & self.own)
 
     def squared_distances(
-        self, a: NDArray[np.int32], b: NDArray[np.int32]
+        self, a: NDArray[Any], b: NDArray[Any]
     ) -> NDArray[np.float64]:
         """Between samples, by broadcasting."""
-        matrix = self.matrix
-        if self.kind == "points":
-            return np.asarray(((matrix[a] - matrix[b]) ** 2).sum(axis=-1))
-        if self.kind == "gram":
-            return np.asarray(matrix[a, a] + matrix[b, b] - 2 * matrix[a, b])
-        return np.asarray(matrix[a, b] ** 2)
+        return squared_distances(self.kind, self.matrix, a, b)
 
     def squared_distances_to_middle(self, a: int, b: int) -> NDArray[np.float64]:
         """Of all samples, from the middle between two."""

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from remanifold.simplicial_complex import SimplicialComplex
 
 
-class Embedding(NamedTuple):
+class ClassicalScaling(NamedTuple):
     """An isometric embedding about the centroid of the samples (classical scaling)."""
 
     coordinates: NDArray[np.float64]  # (N, r)
@@ -25,7 +25,7 @@ class Embedding(NamedTuple):
     mean: float
 
 
-def embed(kind: str, matrix: NDArray[np.float64]) -> Embedding:
+def classical_scaling(kind: str, matrix: NDArray[np.float64]) -> ClassicalScaling:
     """Isometric coordinates, those of eigenvalues above rounding; O(N^3)."""
     gram = np.square(matrix) / -2 if kind == "distances" else matrix
     gram = (gram + gram.T) / 2
@@ -39,7 +39,7 @@ def embed(kind: str, matrix: NDArray[np.float64]) -> Embedding:
     coordinates = vectors[:, kept][:, ::-1] * lengths
     if not kept.any():  # all samples coincide
         coordinates, lengths = np.zeros((len(gram), 1)), np.ones(1)
-    return Embedding(
+    return ClassicalScaling(
         np.ascontiguousarray(coordinates),
         lengths,
         np.diagonal(centered).copy(),
@@ -52,40 +52,38 @@ def place_by_products(
     complex_: SimplicialComplex, products: ArrayLike, squared_norms: ArrayLike
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Coordinates of points with these inner products, and what they leave out."""
-    embedding = complex_._embedding
+    scaling = complex_._scaling
     table = check_matrix(products, "products", complex_.num_vertices)
     norms = check_values(squared_norms, "squared_norms", len(table), ndim=1)
     means = table.mean(axis=1)
-    about_centroid = (
-        table - means[:, None] - embedding.row_means[None, :] + embedding.mean
-    )
-    return _place(embedding, about_centroid, norms - 2 * means + embedding.mean)
+    about_centroid = table - means[:, None] - scaling.row_means[None, :] + scaling.mean
+    return _place(scaling, about_centroid, norms - 2 * means + scaling.mean)
 
 
 def place_by_distances(
     complex_: SimplicialComplex, distances: ArrayLike
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Coordinates of points at these distances, and what they leave out."""
-    embedding = complex_._embedding
+    scaling = complex_._scaling
     table = check_matrix(distances, "distances", complex_.num_vertices)
     if (table < 0).any():
         row, column = (int(i) for i in np.argwhere(table < 0)[0])
         msg = f"distances[{row}, {column}] is {table[row, column]}, expected 0 or more"
         raise ValueError(msg)
     squared = np.square(table)
-    norms = squared.mean(axis=1) - embedding.squared_norms.mean()
-    products = (norms[:, None] + embedding.squared_norms[None, :] - squared) / 2
-    return _place(embedding, products, norms)
+    norms = squared.mean(axis=1) - scaling.squared_norms.mean()
+    products = (norms[:, None] + scaling.squared_norms[None, :] - squared) / 2
+    return _place(scaling, products, norms)
 
 
 def _place(
-    embedding: Embedding,
+    scaling: ClassicalScaling,
     products: NDArray[np.float64],
     squared_norms: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """From inner products about the centroid."""
     # Row by row, so that an answer does not depend on what else is asked.
-    axes = embedding.coordinates / np.square(embedding.lengths)
+    axes = scaling.coordinates / np.square(scaling.lengths)
     places = np.empty((len(products), axes.shape[1]))
     for row, own in zip(places, products, strict=True):
         row[:] = own @ axes

@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from remanifold import _core, geodesics, interoperability, projection, scaling
+from remanifold import _core, geodesics, interoperability, projection
 from remanifold._read_only import ReadOnlyArrays
 from remanifold._validation import check_cells, check_int, check_points
 from remanifold.graphs import edge_graph
 from remanifold.io import write_complex
+from remanifold.scaling import ClassicalScaling, classical_scaling
 from remanifold.topology import Topology, topology_of
 
 if TYPE_CHECKING:
@@ -248,12 +249,12 @@ class SimplicialComplex(ReadOnlyArrays):
         """
         if self.vertices is not None:
             return self.vertices
-        return self._embedding.coordinates
+        return self._scaling.coordinates
 
     @functools.cached_property
-    def _embedding(self) -> scaling.Embedding:
+    def _scaling(self) -> ClassicalScaling:
         assert self._products is not None
-        found = scaling.embed(*self._products)
+        found = classical_scaling(*self._products)
         found.coordinates.flags.writeable = False
         return found
 

@@ -303,9 +303,9 @@ def test_bad_products_are_refused():
 
 
 def test_coinciding_samples_have_coordinates():
-    from remanifold.scaling import embed
+    from remanifold.scaling import classical_scaling
 
-    assert (embed("gram", np.ones((4, 4))).coordinates == 0).all()
+    assert (classical_scaling("gram", np.ones((4, 4))).coordinates == 0).all()
 
 
 # --- Interpolation --------------------------------------------------------------
