@@ -23,7 +23,7 @@ import typer
 from rich.console import Console
 
 import remanifold as rm
-from command import make_app
+from command import JsonOption, MarkdownOption, make_app
 from other_manifolds import OTHERS, Manifold
 from remanifold import datasets
 from samples import add_normal_noise
@@ -179,13 +179,8 @@ def main(
             help="Folder of .npz and .npy files to estimate instead of shapes.",
         ),
     ] = None,
-    json_file: Annotated[
-        Path | None,
-        typer.Option("--json", dir_okay=False, help="Write all results to this file."),
-    ] = None,
-    markdown: Annotated[
-        bool, typer.Option("--markdown", help="Print the table in Markdown.")
-    ] = False,
+    json_file: JsonOption = None,
+    markdown: MarkdownOption = False,
 ) -> None:
     """Estimate dimensions that are known, and count how many are right."""
     names = [row.name for row in rows()]

@@ -33,7 +33,7 @@ import typer
 from rich.console import Console
 
 import remanifold as rm
-from command import make_app
+from command import JobsOption, JsonOption, MarkdownOption, TimeLimitOption, make_app
 from judge import judge
 from processes import Failure, run_all, run_command
 from remanifold import datasets
@@ -372,22 +372,10 @@ def main(
             show_default="that of make",
         ),
     ] = None,
-    jobs: Annotated[
-        int | None,
-        typer.Option(
-            min=1, help="Runs at a time, of one thread each.", show_default="all cores"
-        ),
-    ] = None,
-    time_limit: Annotated[
-        float, typer.Option(min=0, help="Seconds until a run is given up.")
-    ] = 600.0,
-    json_file: Annotated[
-        Path | None,
-        typer.Option("--json", dir_okay=False, help="Write all results to this file."),
-    ] = None,
-    markdown: Annotated[
-        bool, typer.Option("--markdown", help="Print the table in Markdown.")
-    ] = False,
+    jobs: JobsOption = None,
+    time_limit: TimeLimitOption = 600.0,
+    json_file: JsonOption = None,
+    markdown: MarkdownOption = False,
 ) -> None:
     """Count right reconstructions from noisy samples, and measure how far off they are."""
     rows = [row for row in TABLE if not shape or row.name in shape]

@@ -35,7 +35,7 @@ import typer
 from rich.console import Console
 
 import remanifold as rm
-from command import make_app
+from command import JsonOption, make_app
 from judge import judge
 from peers import PEERS, UNIT, UNIT_MAX_AMBIENT_DIM, Options
 from processes import Failure, run_all, run_command
@@ -435,10 +435,7 @@ def main(
             show_default="that of make",
         ),
     ] = None,
-    json_file: Annotated[
-        Path | None,
-        typer.Option("--json", dir_okay=False, help="Write all results to this file."),
-    ] = None,
+    json_file: JsonOption = None,
     cpu: Annotated[
         bool,
         typer.Option("--cpu", help=f"{CPU_HELP} Also for the limit. For one thread."),

@@ -24,7 +24,6 @@ import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
@@ -33,7 +32,7 @@ from rich.console import Console
 from rich.table import Table
 
 import remanifold as rm
-from command import make_app
+from command import JobsOption, JsonOption, MarkdownOption, TimeLimitOption, make_app
 from judge import judge
 from peers import PERTURBATION, tangential_complex, top_simplices
 from processes import Failure, run_all
@@ -392,22 +391,10 @@ def main(
             "steps of a factor of 1.25.",
         ),
     ] = False,
-    jobs: Annotated[
-        int | None,
-        typer.Option(
-            min=1, help="Runs at a time, of one thread each.", show_default="all cores"
-        ),
-    ] = None,
-    time_limit: Annotated[
-        float, typer.Option(min=0, help="Seconds until a run is given up.")
-    ] = 300.0,
-    json_file: Annotated[
-        Path | None,
-        typer.Option("--json", dir_okay=False, help="Write all results to this file."),
-    ] = None,
-    markdown: Annotated[
-        bool, typer.Option("--markdown", help="Print the table in Markdown.")
-    ] = False,
+    jobs: JobsOption = None,
+    time_limit: TimeLimitOption = 300.0,
+    json_file: JsonOption = None,
+    markdown: MarkdownOption = False,
     verbose: Annotated[
         bool,
         typer.Option(
