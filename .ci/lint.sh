@@ -30,10 +30,10 @@ mapfile -t cpp < <(sources '*.cpp' '*.hpp')
 mapfile -t core < <(sources cpp/include cpp/src)
 mapfile -t public < <(sources cpp/include)
 mapfile -t not_flann < <(sources cpp tests/cpp | grep -v -e '^cpp/cmake/' \
-  -e 'CMakeLists' -e '^cpp/src/neighborhoods\.cpp$')
+  -e 'CMakeLists' -e '^cpp/src/neighbors/neighborhoods\.cpp$')
 mapfile -t not_cgal < <(sources cpp tests/cpp | grep -v -e '^cpp/cmake/' \
-  -e 'CMakeLists' -e '^cpp/src/detail/convex_hull_[^/]*\.cpp$' \
-  -e '^cpp/src/detail/candidates\.cpp$')
+  -e 'CMakeLists' -e '^cpp/src/local/convex_hull_[^/]*\.cpp$' \
+  -e '^cpp/src/chain/candidates\.cpp$')
 mapfile -t unlicensed < <(sources '*.cpp' '*.hpp' '*.py' '*.pyi' '*.sh' '*.cmake' \
   '*CMakeLists.txt' Makefile | xargs grep -L 'SPDX-License-Identifier: GPL-3.0-or-later')
 

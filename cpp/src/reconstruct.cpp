@@ -2,8 +2,8 @@
 // The only file that calls all steps.
 #include "remanifold/reconstruct.hpp"
 
-#include "detail/parallel.hpp"
-#include "detail/simplex_rows.hpp"
+#include "base/parallel.hpp"
+#include "complex/simplex_rows.hpp"
 #include "remanifold/facets.hpp"
 #include "remanifold/input_numbering.hpp"
 #include "remanifold/local_region.hpp"

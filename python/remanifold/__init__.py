@@ -18,19 +18,19 @@ except ImportError as error:
     raise ImportError(_HINT) from error
 
 from remanifold import datasets, io
-from remanifold.cleaning import Smoothing, find_outliers, smooth
-from remanifold.dimension import DimensionEstimate, estimate_dimension
-from remanifold.embedding import Embedding, embed
-from remanifold.graphs import edge_graph
-from remanifold.parts import Subcomplex
-from remanifold.plotting import plot
-from remanifold.projection import PointsOnComplex, Projection
-from remanifold.quality import Quality, Reason
-from remanifold.reconstruction import Reconstruction, Repair, reconstruct
-from remanifold.report_page import write_report
-from remanifold.simplicial_complex import SimplicialComplex
-from remanifold.singularities import Place, Singularities, find_singularities
-from remanifold.steps import (
+from remanifold.complex.embedding import Embedding, embed
+from remanifold.complex.graphs import edge_graph
+from remanifold.complex.parts import Subcomplex
+from remanifold.complex.projection import PointsOnComplex, Projection
+from remanifold.complex.simplicial_complex import SimplicialComplex
+from remanifold.complex.topology import Topology, compute_topology
+from remanifold.drawing.plotting import plot
+from remanifold.judging.quality import Quality, Reason
+from remanifold.judging.singularities import Place, Singularities, find_singularities
+from remanifold.method.cleaning import Smoothing, find_outliers, smooth
+from remanifold.method.dimension import DimensionEstimate, estimate_dimension
+from remanifold.method.reconstruction import Reconstruction, Repair, reconstruct
+from remanifold.method.steps import (
     EdgeSets,
     LocalRegions,
     Neighborhoods,
@@ -42,7 +42,7 @@ from remanifold.steps import (
     neighborhoods,
     tangent_spaces,
 )
-from remanifold.topology import Topology, compute_topology
+from remanifold.page.report_page import write_report
 from remanifold.warnings import (
     DimensionWarning,
     FileWarning,

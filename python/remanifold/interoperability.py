@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from remanifold._validation import check_complex
-from remanifold.graphs import edge_lengths
+from remanifold._base.validation import check_complex
+from remanifold.complex.graphs import edge_lengths
 from remanifold.io._mesh import simplex_name
 from remanifold.io.writing import check_fields
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from remanifold.simplicial_complex import SimplicialComplex
+    from remanifold.complex.simplicial_complex import SimplicialComplex
 
 __all__ = [
     "from_meshio",
@@ -210,7 +210,7 @@ def from_meshio(mesh: Any, dim: int | None = None) -> SimplicialComplex:
     ValueError
         No simplices of this dimension.
     """
-    from remanifold.simplicial_complex import SimplicialComplex
+    from remanifold.complex.simplicial_complex import SimplicialComplex
 
     dims = {name: k for k, name in _MESHIO_CELLS.items() if k}
     blocks: dict[int, list[NDArray[np.int64]]] = {}

@@ -19,20 +19,20 @@ except ImportError as error:
     )
     raise ImportError(_HINT) from error
 
-from remanifold._validation import check_int
-from remanifold.dimension import (
+from remanifold._base.validation import check_int
+from remanifold.method.dimension import (
     LOW_CONFIDENCE,
     MIN_SAMPLES,
     estimate_dimension,
     low_confidence,
 )
-from remanifold.reconstruction import Reconstruction, reconstruct
+from remanifold.method.reconstruction import Reconstruction, reconstruct
 from remanifold.warnings import DimensionWarning, ManifoldWarning
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from remanifold.projection import Projection
+    from remanifold.complex.projection import Projection
 
 __all__ = ["ManifoldReconstruction"]
 

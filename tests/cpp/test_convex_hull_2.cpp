@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "detail/convex_hull_2.hpp"
+#include "local/convex_hull_2.hpp"
 
 #include <gtest/gtest.h>
 

@@ -18,7 +18,7 @@ import pytest
 from scipy.spatial.distance import cdist
 
 import remanifold as rm
-from remanifold.reconstruction import METHODS
+from remanifold.method.reconstruction import METHODS
 from remanifold.sklearn import ManifoldReconstruction
 
 SEARCHES = ("auto", "kdtree", "brute_force")
@@ -749,7 +749,7 @@ def test_import_is_light():
         [sys.executable, "-c", script], capture_output=True, text=True, check=True
     )
     loaded = done.stdout.split()
-    assert "remanifold.steps" in loaded
+    assert "remanifold.method.steps" in loaded
     heavy = {"typer", "click", "rich", "meshio", "gudhi", "matplotlib", "scipy"}
     heavy |= {"sklearn", "potpourri3d", "pygeodesic"}
     heavy |= {"laspy", "networkx", "plotly", "pyvista", "trimesh", "vtkmodules"}

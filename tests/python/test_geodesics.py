@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import remanifold as rm
-from remanifold import geodesics
-from remanifold.graphs import edge_graph
+from remanifold.complex import geodesics
+from remanifold.complex.graphs import edge_graph
 
 SOURCES = [0, 7]
 

@@ -14,8 +14,9 @@ from scipy.spatial.distance import cdist
 from typer.testing import CliRunner
 
 import remanifold as rm
-from remanifold import _draw_pyvista, _measures, _scene, _thinning, embedding
 from remanifold.cli import app
+from remanifold.complex import embedding, measures
+from remanifold.drawing import draw_pyvista, scene, thinning
 
 pytest.importorskip("matplotlib")
 pytest.importorskip("plotly")
@@ -24,7 +25,7 @@ pytest.importorskip("pyvista")
 from matplotlib.image import imread
 
 try:
-    _draw_pyvista.need_renderer()
+    draw_pyvista.need_renderer()
     RENDERER = ""
 except OSError as error:
     RENDERER = str(error)
@@ -249,9 +250,9 @@ def test_embed_refuses():
 @pytest.mark.parametrize("dim", [2, 3, 4])
 def test_regular_simplices(dim):
     mesh = rm.SimplicialComplex(np.eye(dim + 1), [range(dim + 1)])
-    np.testing.assert_allclose(_measures.shapes(mesh), 1)
+    np.testing.assert_allclose(measures.shapes(mesh), 1)
     expected = np.degrees(np.arccos(1 / dim))
-    np.testing.assert_allclose(_measures.angles(mesh), expected)
+    np.testing.assert_allclose(measures.angles(mesh), expected)
 
 
 def test_shapes_and_angles_of_triangles():
@@ -261,22 +262,22 @@ def test_shapes_and_angles_of_triangles():
     a, b, c = points.reshape(20, 3, 3).transpose(1, 0, 2)
     area = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
     squares = sum(((p - q) ** 2).sum(axis=1) for p, q in ((a, b), (b, c), (c, a)))
-    np.testing.assert_allclose(_measures.shapes(mesh), 4 * 3**0.5 * area / squares)
-    angles = _measures.angles(mesh).reshape(3, 20)
+    np.testing.assert_allclose(measures.shapes(mesh), 4 * 3**0.5 * area / squares)
+    angles = measures.angles(mesh).reshape(3, 20)
     np.testing.assert_allclose(angles.sum(axis=0), 180)
     u, v = b - a, c - a
     cosine = (u * v).sum(1) / np.linalg.norm(u, axis=1) / np.linalg.norm(v, axis=1)
     # The angle at a lies between the facets opposite to b and c: the last pair.
     np.testing.assert_allclose(angles[2], np.degrees(np.arccos(cosine)))
     flat = rm.SimplicialComplex([[0, 0], [1, 0], [2, 0]], [[0, 1, 2]])
-    assert _measures.shapes(flat)[0] == pytest.approx(0, abs=1e-7)
-    assert len(_measures.angles(flat)) == 0
+    assert measures.shapes(flat)[0] == pytest.approx(0, abs=1e-7)
+    assert len(measures.angles(flat)) == 0
 
 
 def test_edge_ratios_and_means_at_vertices():
     path = rm.SimplicialComplex([[0], [1], [3], [7.0], [9]], [[0, 1], [1, 2], [2, 3]])
-    np.testing.assert_allclose(_measures.edge_ratios(path), [0.5, 0.5])
-    means = _measures.at_vertices(path, np.array([1.0, 3, 5]))
+    np.testing.assert_allclose(measures.edge_ratios(path), [0.5, 0.5])
+    means = measures.at_vertices(path, np.array([1.0, 3, 5]))
     np.testing.assert_allclose(means, [1, 2, 4, 5, np.nan])
 
 
@@ -287,7 +288,7 @@ def test_open_faces_are_those_of_the_report(dim, ball):
         2: lambda: rm.reconstruct(rm.datasets.moebius_band(300, random_state=0), 2),
         3: lambda: ball,
     }[dim]()
-    found = _scene.open_faces(rec.simplices)
+    found = scene.open_faces(rec.simplices)
     assert len(found) > 0
     assert found.tolist() == np.sort(rec.repair.open_faces, axis=1).tolist()
 
@@ -297,7 +298,7 @@ def test_open_faces_are_those_of_the_report(dim, ball):
 
 def test_thinned_surfaces_look_alike():
     rec = rm.reconstruct(rm.datasets.torus(6000, random_state=0), 2)
-    kept, cells = _thinning.thinned(rec.vertices, rec.simplices, 3000)
+    kept, cells = thinning.thinned(rec.vertices, rec.simplices, 3000)
     assert 1500 < len(cells) <= 3000
     assert cells.max() == len(kept) - 1
     assert len({tuple(sorted(row)) for row in cells.tolist()}) == len(cells)
@@ -312,7 +313,7 @@ def test_thinned_surfaces_look_alike():
 
 
 def test_thinning_leaves_small_meshes_alone(torus):
-    kept, cells = _thinning.thinned(torus.vertices, torus.simplices, 10_000)
+    kept, cells = thinning.thinned(torus.vertices, torus.simplices, 10_000)
     np.testing.assert_array_equal(kept[cells], torus.simplices)
 
 
@@ -320,51 +321,51 @@ def test_thinning_leaves_small_meshes_alone(torus):
 def test_thinning_obeys_its_limit(limit):
     points, triangles = grid(40, 40)
     points = np.pad(points, ((0, 0), (0, 1)))
-    assert len(_thinning.thinned(points, triangles, limit)[1]) <= limit
+    assert len(thinning.thinned(points, triangles, limit)[1]) <= limit
     at_one_place = np.zeros_like(points)
-    assert len(_thinning.thinned(at_one_place, triangles, limit)[1]) <= limit
+    assert len(thinning.thinned(at_one_place, triangles, limit)[1]) <= limit
 
 
 # --- What is drawn ------------------------------------------------------------------
 
 
-def scene(complex, limit=100_000, **options):
+def make_scene(complex, limit=100_000, **options):
     given = {"color": None, "style": "auto", "show_samples": False}
     given |= {"show_doubtful": False, "placed": rm.embed(complex), "limit": limit}
-    return _scene.scene_of(complex, **{**given, **options})
+    return scene.scene_of(complex, **{**given, **options})
 
 
 def test_what_is_drawn_by_dimension(torus, ball, rotations):
-    curve = scene(rm.reconstruct(rm.datasets.trefoil(80, random_state=0), 1))
+    curve = make_scene(rm.reconstruct(rm.datasets.trefoil(80, random_state=0), 1))
     assert [len(lines.edges) for lines in curve.lines] == [80]
     assert (curve.surfaces, curve.marks, curve.flat) == ([], [], False)
     arc = rm.reconstruct(half_circle(), 1)
-    assert [mark.name for mark in scene(arc).marks] == ["ends"]
-    assert scene(arc).flat
+    assert [mark.name for mark in make_scene(arc).marks] == ["ends"]
+    assert make_scene(arc).flat
 
-    surface = scene(torus)
+    surface = make_scene(torus)
     assert [len(s.triangles) for s in surface.surfaces] == [len(torus.simplices)]
     assert surface.lines == []  # closed
-    assert len(scene(torus, style="edges").lines[0].edges) == len(torus.edges)
+    assert len(make_scene(torus, style="edges").lines[0].edges) == len(torus.edges)
 
-    solid = scene(ball)
+    solid = make_scene(ball)
     assert [s.name for s in solid.surfaces] == ["tetrahedra", "boundary"]
     assert len(solid.surfaces[0].triangles) == 4 * min(len(ball.simplices), 1000)
     assert solid.surfaces[1].opacity < 1
-    assert [s.name for s in scene(ball, style="surface").surfaces] == ["boundary"]
+    assert [s.name for s in make_scene(ball, style="surface").surfaces] == ["boundary"]
 
-    closed = scene(rotations)
+    closed = make_scene(rotations)
     assert [s.name for s in closed.surfaces] == ["tetrahedra"]
     assert any("Geodesic" in line for line in closed.caption)
 
     points = rm.datasets.sphere_times_sphere(600, random_state=0)
-    four = scene(rm.reconstruct(points, 4))
+    four = make_scene(rm.reconstruct(points, 4))
     assert four.surfaces == []
     assert len(four.lines) == 1
 
 
 def test_shrunken_tetrahedra_are_smaller_and_apart(ball):
-    solid = scene(ball).surfaces[0]
+    solid = make_scene(ball).surfaces[0]
     corners = solid.points.reshape(-1, 4, 3)
     shown = ball.simplices[
         np.arange(len(corners)) * len(ball.simplices) // len(corners)
@@ -379,42 +380,42 @@ def test_shrunken_tetrahedra_are_smaller_and_apart(ball):
 
 
 def test_what_is_left_out_is_said(torus, rotations):
-    thin = scene(torus, limit=200)
+    thin = make_scene(torus, limit=200)
     shown = len(thin.surfaces[0].triangles)
     assert shown <= 200
     assert thin.caption == [
         f"Coarsened for display: {shown} for {len(torus.simplices)} triangles"
     ]
-    few = scene(rotations, limit=50)
+    few = make_scene(rotations, limit=50)
     total = len(rotations.simplices)
     assert f"Shown: 50 of {total:,} tetrahedra, evenly chosen" in few.caption
-    marked = scene(torus, limit=100, show_samples=True)
+    marked = make_scene(torus, limit=100, show_samples=True)
     assert "Marked: 100 of 400 samples" in marked.caption
 
 
 def test_colors(torus, sparse):
     two = rm.reconstruct(rm.datasets.interlocking_circles(80, random_state=0), 1)
-    labels = scene(two, color="component")
+    labels = make_scene(two, color="component")
     np.testing.assert_array_equal(labels.lines[0].values, two.component_labels())
     assert labels.scale.categories == ("0", "1")
     band = rm.reconstruct(rm.datasets.moebius_band(300, random_state=0), 2)
     np.testing.assert_array_equal(
-        scene(band, color="boundary").surfaces[0].values, band.boundary
+        make_scene(band, color="boundary").surfaces[0].values, band.boundary
     )
-    found = scene(torus, color="spacing")
+    found = make_scene(torus, color="spacing")
     np.testing.assert_array_equal(found.surfaces[0].values, torus.quality.spacing)
     assert found.scale.low < np.median(torus.quality.spacing) < found.scale.high
-    own = scene(torus, color=np.arange(400)).surfaces[0].values
+    own = make_scene(torus, color=np.arange(400)).surfaces[0].values
     np.testing.assert_array_equal(own, np.arange(400))
-    shape = scene(torus, color="quality").surfaces[0].values
-    mine = _measures.shapes(torus)[(torus.simplices == 5).any(axis=1)].mean()
+    shape = make_scene(torus, color="quality").surfaces[0].values
+    mine = measures.shapes(torus)[(torus.simplices == 5).any(axis=1)].mean()
     assert shape[5] == pytest.approx(mine)
-    doubted = scene(sparse, color="doubtful").surfaces[0].values
+    doubted = make_scene(sparse, color="doubtful").surfaces[0].values
     assert doubted.sum() == sparse.quality.doubtful.sum() > 0
 
 
 def test_doubtful_samples_and_outliers_are_marked(sparse):
-    marks = scene(sparse, show_doubtful=True).marks
+    marks = make_scene(sparse, show_doubtful=True).marks
     (doubtful,) = marks
     np.testing.assert_array_equal(
         doubtful.numbers, np.flatnonzero(sparse.quality.doubtful)
@@ -422,7 +423,7 @@ def test_doubtful_samples_and_outliers_are_marked(sparse):
     np.testing.assert_array_equal(doubtful.points, sparse.vertices[doubtful.numbers])
     circle = rm.datasets.circle(100, random_state=0)
     rec = rm.reconstruct(np.vstack([circle, [[0.1, 0.2]]]), 1)
-    names = {mark.name: mark for mark in scene(rec, show_doubtful=True).marks}
+    names = {mark.name: mark for mark in make_scene(rec, show_doubtful=True).marks}
     assert names["outliers"].numbers.tolist() == [100]
 
 
@@ -431,7 +432,7 @@ def test_samples_stand_where_they_were_given():
         rm.datasets.circle(300, random_state=0), 0.03, random_state=1
     )
     rec = rm.reconstruct(noisy, 1, smooth=True)
-    (samples,) = scene(rec, show_samples=True).marks
+    (samples,) = make_scene(rec, show_samples=True).marks
     np.testing.assert_array_equal(samples.points[:, :2], noisy)
     assert abs(rec.vertices - noisy).max() > 0.01
 
@@ -527,7 +528,7 @@ def test_unknown_values_are_gray(torus):
     values = np.arange(400.0)
     values[:7] = np.nan
     mesh = torus.plot(backend="plotly", show=False, color=values).data[0]
-    assert mesh.colorscale[0] == (0.0, _scene.UNKNOWN_COLOR)
+    assert mesh.colorscale[0] == (0.0, scene.UNKNOWN_COLOR)
     below = np.asarray(mesh.intensity) < np.nanpercentile(values, 1) - 1
     np.testing.assert_array_equal(below, np.isnan(values))
     assert np.isfinite(mesh.intensity).all()
@@ -603,7 +604,7 @@ def test_without_anything_to_draw_with(torus, monkeypatch):
         torus.plot(show=False)
     monkeypatch.undo()
     if not RENDERER:
-        _draw_pyvista.need_renderer()
+        draw_pyvista.need_renderer()
 
 
 @rendered

@@ -6,7 +6,7 @@ import pytest
 from scipy.optimize import LinearConstraint, milp
 from scipy.sparse import csr_array
 
-from remanifold._programs import solve_program
+from remanifold.method.programs import solve_program
 
 
 def random_program(rows, columns, seed, integral=False):

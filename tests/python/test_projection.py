@@ -303,7 +303,7 @@ def test_bad_products_are_refused():
 
 
 def test_coinciding_samples_have_coordinates():
-    from remanifold.scaling import classical_scaling
+    from remanifold._base.scaling import classical_scaling
 
     assert (classical_scaling("gram", np.ones((4, 4))).coordinates == 0).all()
 

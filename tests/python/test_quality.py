@@ -16,7 +16,8 @@ import pytest
 from scipy.spatial.distance import cdist
 
 import remanifold as rm
-from remanifold import datasets, quality
+from remanifold import datasets
+from remanifold.judging import quality
 
 BENCHMARKS = Path(__file__).resolve().parents[2] / "benchmarks"
 PER_SAMPLE = (

@@ -14,8 +14,8 @@ from typer.testing import CliRunner
 
 import chromium
 import remanifold as rm
-from remanifold import _report_parts, report_page
 from remanifold.cli import app
+from remanifold.page import report_page, report_parts
 
 pytest.importorskip("plotly")
 
@@ -151,7 +151,7 @@ def test_samples_in_doubt_are_listed(sparse, tmp_path):
 
 
 def test_long_lists_are_cut(sparse, tmp_path, monkeypatch):
-    monkeypatch.setattr(_report_parts, "MOST_SAMPLES", 3)
+    monkeypatch.setattr(report_parts, "MOST_SAMPLES", 3)
     count = int(sparse.quality.doubtful.sum())
     page = Page(write(sparse, tmp_path).read_text(encoding="utf-8"))
     assert f"The first 3 of {count} samples in doubt." in page.of("p")
@@ -185,7 +185,7 @@ def test_outliers_and_noise(tmp_path):
 )
 def test_surfaces_are_named(shape, dim, name):
     points = getattr(rm.datasets, shape)(900, random_state=0)
-    assert _report_parts.kind_of(rm.reconstruct(points, dim).topology()) == name
+    assert report_parts.kind_of(rm.reconstruct(points, dim).topology()) == name
 
 
 def test_text_of_the_user_is_text(torus, tmp_path):
@@ -199,7 +199,7 @@ def test_text_of_the_user_is_text(torus, tmp_path):
 
 
 def test_json_cannot_end_its_script():
-    from remanifold._html import json_of
+    from remanifold.page.html import json_of
 
     value = {"</script>": "<!--\u2028 & </SCRIPT>"}
     coded = json_of(value)

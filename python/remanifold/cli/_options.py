@@ -9,10 +9,10 @@ from typing import Annotated, Any, TypeAlias
 
 import typer
 
-from remanifold._validation import check_int, check_positive
+from remanifold._base.validation import check_int, check_positive
 from remanifold.cli._common import choice
-from remanifold.reconstruction import METHODS
-from remanifold.steps import EDGE_RULES, ESTIMATORS, SEARCHES
+from remanifold.method.reconstruction import METHODS
+from remanifold.method.steps import EDGE_RULES, ESTIMATORS, SEARCHES
 
 BOUNDARIES: dict[str, str | bool] = {"auto": "auto", "closed": False}
 

@@ -12,15 +12,15 @@ import typer
 from rich.console import Console
 
 import remanifold as rm
-from remanifold._validation import (
+from remanifold._base.validation import (
     check_num_neighbors,
     check_positive,
     check_smooth,
 )
 from remanifold.cli._common import say, timed
 from remanifold.cli._options import Options
-from remanifold.dimension import LOW_CONFIDENCE, low_confidence
 from remanifold.io import read_points
+from remanifold.method.dimension import LOW_CONFIDENCE, low_confidence
 
 
 class Done(NamedTuple):

@@ -21,12 +21,12 @@ from remanifold.cli._common import (
     say,
     split_formats,
 )
+from remanifold.complex.topology import simplex_names
 from remanifold.io import write_mesh, write_points
 from remanifold.io._mesh import FileMesh, choose_simplices, without_degenerate
 from remanifold.io._source import described, is_standard, suffix_of
 from remanifold.io.reading import read_file
 from remanifold.io.writing import FIELD_WRITERS, MESH_WRITERS, WRITERS
-from remanifold.topology import simplex_names
 
 EPILOG = examples(
     "remanifold convert mesh.ply mesh.vtu",

@@ -25,8 +25,8 @@ from remanifold.cli._common import (
     split_formats,
     timed,
 )
-from remanifold.dimension import LOW_CONFIDENCE, SMALLEST_SCALE, low_confidence
 from remanifold.io import read_points
+from remanifold.method.dimension import LOW_CONFIDENCE, SMALLEST_SCALE, low_confidence
 
 EPILOG = examples(
     "remanifold dimension points.npy",

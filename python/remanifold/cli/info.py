@@ -25,10 +25,10 @@ from remanifold.cli._common import (
     say,
     split_formats,
 )
+from remanifold.complex.topology import simplex_names
 from remanifold.io._mesh import FileMesh, choose_simplices, without_degenerate
 from remanifold.io._source import Source
 from remanifold.io.reading import read_file
-from remanifold.topology import simplex_names
 
 EPILOG = examples(
     "remanifold info scan.laz",

@@ -24,10 +24,10 @@ from remanifold.cli._common import (
     split_formats,
     timed,
 )
+from remanifold.complex.topology import simplex_names
 from remanifold.io import read_complex, read_points, write_points
 from remanifold.io._source import is_standard, suffix_of
 from remanifold.io.writing import FIELD_WRITERS, POINT_WRITERS
-from remanifold.topology import simplex_names
 
 EPILOG = examples(
     "remanifold project mesh.ply points.csv -o nearest.npz",

@@ -11,7 +11,7 @@ from typing import Annotated
 
 import typer
 
-from remanifold._optional import load
+from remanifold._base.optional import load
 from remanifold.cli._common import (
     FormatOption,
     ThreadsOption,
@@ -37,7 +37,7 @@ from remanifold.cli._options import (
     Source,
 )
 from remanifold.cli._reconstructing import reconstruct_file
-from remanifold.report_page import check_page, write_report
+from remanifold.page.report_page import check_page, write_report
 
 EPILOG = examples(
     "remanifold report scan.ply --dim 2 -o scan.html",

@@ -9,10 +9,10 @@ from typing import Annotated
 import typer
 
 import remanifold as rm
-from remanifold._draw_pyvista import has_display
-from remanifold._scene import STYLES
 from remanifold.cli._common import choice, examples, failures, messages_console
-from remanifold.plotting import BACKENDS
+from remanifold.drawing.draw_pyvista import has_display
+from remanifold.drawing.plotting import BACKENDS
+from remanifold.drawing.scene import STYLES
 
 COLORS = ("component", "boundary", "quality")
 EPILOG = examples(

@@ -29,7 +29,7 @@ from remanifold.io._vtk import read_vtk
 from remanifold.io._vtu import read_vtu
 
 if TYPE_CHECKING:
-    from remanifold.simplicial_complex import SimplicialComplex
+    from remanifold.complex.simplicial_complex import SimplicialComplex
 
 # Each takes whether simplices and fields are wanted as well.
 READERS: dict[str, Callable[[Source, bool], FileMesh]] = {
@@ -145,7 +145,7 @@ def read_complex(
     >>> import remanifold as rm
     >>> mesh = rm.io.read_complex("mesh.ply")  # doctest: +SKIP
     """
-    from remanifold.simplicial_complex import SimplicialComplex
+    from remanifold.complex.simplicial_complex import SimplicialComplex
 
     source, mesh = read_file(path, format, cells=True, known=WITH_SIMPLICES)
     simplices = without_degenerate(source, choose_simplices(source, mesh, dim))

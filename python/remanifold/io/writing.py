@@ -14,7 +14,7 @@ from typing import IO, TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from remanifold._validation import check_complex
+from remanifold._base.validation import check_complex
 from remanifold.io._gltf import write_glb, write_gltf
 from remanifold.io._mesh import FileMesh, simplex_name
 from remanifold.io._obj import write_obj
@@ -40,7 +40,7 @@ from remanifold.io._vtk import write_vtk
 from remanifold.io._vtu import write_vtu
 
 if TYPE_CHECKING:
-    from remanifold.simplicial_complex import SimplicialComplex
+    from remanifold.complex.simplicial_complex import SimplicialComplex
 
 
 class Writer(NamedTuple):

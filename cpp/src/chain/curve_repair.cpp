@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "remanifold/curve_repair.hpp"
+
+#include "complex/simplex_rows.hpp"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <tuple>
+#include <utility>
+
+namespace remanifold {
+namespace {
+
+class CurveRepair {
+ public:
+  CurveRepair(const Samples& samples, const Neighborhoods& neighborhoods,
+              const std::vector<double>& scales, const FacetPrice& price,
+              const SimplexArray& edges)
+      : samples_(samples),
+        neighborhoods_(neighborhoods),
+        ruler_(samples, scales),
+        price_(price),
+        next_(samples.size(), {-1, -1}) {
+    for (Offset e = 0; e < edges.size(); ++e) {
+      link(edges[e][0], edges[e][1]);
+    }
+  }
+
+  void join_ends(Index smallest_loop) {
+    struct Join {
+      double energy;
+      Index a, b;
+      bool operator<(const Join& other) const {
+        return std::tie(energy, a, b) < std::tie(other.energy, other.a, other.b);
+      }
+    };
+    std::vector<Join> joins;
+    for (Index a = 0; a < samples_.size(); ++a) {
+      if (degree(a) == 2) {
+        continue;
+      }
+      for (Index k = 0; k < neighborhoods_.count; ++k) {
+        const Index b = neighborhoods_.of(a)[k];
+        // Of two that have each other among their neighbors, once.
+        if (degree(b) == 2 || next_[a][0] == b) {
+          continue;
+        }
+        const double energy = energy_of(a, b);
+        if (energy < price_(&a) + price_(&b)) {
+          joins.push_back({energy, std::min(a, b), std::max(a, b)});
+        }
+      }
+    }
+    std::sort(joins.begin(), joins.end());
+    // Short paths are closed only if nothing else is left to them.
+    for (const bool close_short : {false, true}) {
+      for (const Join& join : joins) {
+        if (degree(join.a) == 2 || degree(join.b) == 2 || next_[join.a][0] == join.b) {
+          continue;
+        }
+        const Index length = path_length(join.a, join.b);
+        if (length == 0 || length >= smallest_loop || (close_short && length > 2)) {
+          link(join.a, join.b);
+        }
+      }
+    }
+  }
+
+  /// Puts paths whose ends find no others between two neighbors on another curve.
+  void insert_paths(const Execution& execution) {
+    for (Index a = 0; a < samples_.size(); ++a) {
+      if (degree(a) != 1) {
+        continue;
+      }
+      execution.poll();
+      const Index b = other_end(a);
+      Index at = -1;
+      Index behind = -1;
+      double least = price_(&a) + price_(&b);
+      for (Index k = 0; k < neighborhoods_.count; ++k) {
+        const Index c = neighborhoods_.of(a)[k];
+        for (const Index d : next_[c]) {
+          if (d < 0 || path_length(a, c) > 0) {
+            continue;
+          }
+          const double more = energy_of(a, c) + energy_of(b, d) - energy_of(c, d);
+          if (more < least) {
+            least = more;
+            at = c;
+            behind = d;
+          }
+        }
+      }
+      if (at >= 0) {
+        unlink(at, behind);
+        link(a, at);
+        link(b, behind);
+      }
+    }
+  }
+
+  void merge_loops(Index smallest_loop, const Execution& execution) {
+    std::vector<std::uint8_t> seen(samples_.size(), 0);
+    for (Index seed = 0; seed < samples_.size(); ++seed) {
+      if (seen[seed] != 0) {
+        continue;
+      }
+      execution.poll();
+      std::vector<Index> loop = component(seed, smallest_loop);
+      for (const Index v : loop) {
+        seen[v] = 1;
+      }
+      if (static_cast<Index>(loop.size()) < smallest_loop && is_loop(loop)) {
+        merge(loop);
+      }
+    }
+  }
+
+  SimplexArray finish() const {
+    SimplexArray edges{2, {}};
+    for (Index v = 0; v < samples_.size(); ++v) {
+      for (const Index w : next_[v]) {
+        if (w > v) {
+          edges.vertices.push_back(v);
+          edges.vertices.push_back(w);
+        }
+      }
+    }
+    return detail::sorted_unique(edges);
+  }
+
+ private:
+  int degree(Index v) const { return (next_[v][0] >= 0) + (next_[v][1] >= 0); }
+
+  void link(Index a, Index b) {
+    next_[a][next_[a][0] < 0 ? 0 : 1] = b;
+    next_[b][next_[b][0] < 0 ? 0 : 1] = a;
+  }
+
+  void unlink(Index a, Index b) {
+    for (const auto& [v, w] : {std::pair(a, b), std::pair(b, a)}) {
+      if (next_[v][0] == w) {
+        next_[v][0] = next_[v][1];
+      }
+      next_[v][1] = -1;
+    }
+  }
+
+  double energy_of(Index a, Index b) const {
+    const std::array<Index, 2> edge{std::min(a, b), std::max(a, b)};
+    return ruler_.energy(edge.data(), 2);
+  }
+
+  /// Of the path that begins at a.
+  Index other_end(Index a) const {
+    Index before = -1;
+    Index v = a;
+    for (;;) {
+      const Index after = next_[v][0] != before ? next_[v][0] : next_[v][1];
+      if (after < 0) {
+        return v;
+      }
+      before = v;
+      v = after;
+    }
+  }
+
+  /// Samples on the path from a to b; 0 where they are on different ones.
+  Index path_length(Index a, Index b) const {
+    Index length = 1;
+    Index before = -1;
+    for (Index v = a; v != b; ++length) {
+      const Index after = next_[v][0] != before ? next_[v][0] : next_[v][1];
+      if (after < 0) {
+        return 0;
+      }
+      before = v;
+      v = after;
+    }
+    return length;
+  }
+
+  /// Up to `most` samples of the curve through one.
+  std::vector<Index> component(Index seed, Index most) const {
+    std::vector<Index> found{seed};
+    for (std::size_t i = 0; i < found.size() && static_cast<Index>(found.size()) < most;
+         ++i) {
+      for (const Index w : next_[found[i]]) {
+        if (w >= 0 && std::find(found.begin(), found.end(), w) == found.end()) {
+          found.push_back(w);
+        }
+      }
+    }
+    return found;
+  }
+
+  bool is_loop(const std::vector<Index>& curve) const {
+    return std::all_of(curve.begin(), curve.end(),
+                       [&](Index v) { return degree(v) == 2; });
+  }
+
+  void merge(const std::vector<Index>& loop) {
+    std::array<Index, 4> best{};  // a - b, c - d become a - c, b - d
+    double least = std::numeric_limits<double>::infinity();
+    for (const Index a : loop) {
+      for (Index k = 0; k < neighborhoods_.count; ++k) {
+        const Index c = neighborhoods_.of(a)[k];
+        if (std::find(loop.begin(), loop.end(), c) != loop.end()) {
+          continue;
+        }
+        for (const Index b : next_[a]) {
+          for (const Index d : next_[c]) {
+            if (d < 0) {
+              continue;
+            }
+            const double more =
+                energy_of(a, c) + energy_of(b, d) - energy_of(a, b) - energy_of(c, d);
+            if (more < least && more < 2 * (price_(&a) + price_(&c))) {
+              least = more;
+              best = {a, b, c, d};
+            }
+          }
+        }
+      }
+    }
+    if (least < std::numeric_limits<double>::infinity()) {
+      const auto [a, b, c, d] = best;
+      unlink(a, b);
+      unlink(c, d);
+      link(a, c);
+      link(b, d);
+    }
+  }
+
+  const Samples& samples_;
+  const Neighborhoods& neighborhoods_;
+  SimplexRuler ruler_;
+  const FacetPrice& price_;
+  std::vector<std::array<Index, 2>> next_;
+};
+
+}  // namespace
+
+void repair_curves(const Samples& samples, const Neighborhoods& neighborhoods,
+                   const std::vector<double>& scales, const FacetPrice& price,
+                   Index smallest_loop, SimplexArray& edges,
+                   const Execution& execution) {
+  CurveRepair repair(samples, neighborhoods, scales, price, edges);
+  repair.join_ends(smallest_loop);
+  repair.insert_paths(execution);
+  repair.merge_loops(smallest_loop, execution);
+  edges = repair.finish();
+}
+
+}  // namespace remanifold

@@ -1,0 +1,418 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "remanifold/link_repair.hpp"
+
+#include "base/disjoint_sets.hpp"
+#include "base/sort_unique.hpp"
+#include "chain/cavity_search.hpp"
+#include "complex/editable_complex.hpp"
+#include "remanifold/facets.hpp"
+#include "remanifold/topology.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+namespace remanifold {
+namespace {
+
+/// Holes with more vertices are not refilled: all simplices on them are candidates.
+constexpr std::size_t kMostVertices = 12;
+constexpr Index kSearchSteps = 20000;
+/// Above, links are large, and to judge one takes as long as the rest of the method.
+constexpr int kMostDim = 4;
+/// Looks at one vertex, at most.
+constexpr int kRounds = 4;
+
+/// Simplices that go and simplices that come, K+1 vertices each.
+struct Move {
+  std::vector<Offset> out;
+  std::vector<Index> in;
+  double energy = 0;
+};
+
+class LinkRepair {
+ public:
+  LinkRepair(const Samples& samples, const std::vector<double>& scales,
+             const SimplexArray& simplices, const Execution& execution)
+      : execution_(execution),
+        complex_(simplices, samples.size()),
+        arity_(simplices.arity),
+        ruler_(samples, scales),
+        inside_(samples.size(), 0) {}
+
+  bool is_singular(Index v) const {
+    return !complex_.star(v).empty() && !is_sphere_or_ball(complex_.link(v));
+  }
+
+  /// \returns the vertices that the best move has touched; none where none helps
+  std::vector<Index> mend(Index v) {
+    Move best;
+    double best_change = 0;
+    for (Move& move : moves_at(v)) {
+      execution_.poll();
+      const double change = change_by(move);
+      if (change < best_change ||
+          (change < 0 && change == best_change && move.energy < best.energy)) {
+        best_change = change;
+        best = std::move(move);
+      }
+    }
+    if (best_change >= 0) {
+      return {};
+    }
+    const std::vector<Index> touched = vertices_of(best);
+    apply(best);
+    return touched;
+  }
+
+  /// Closes small holes at the touched vertices, which moves may have left, where that
+  /// costs less than leaving them open.
+  void close_holes(const std::vector<Index>& touched, const FacetPrice& price) {
+    for (const Index v : touched) {
+      std::vector<Index> hole = hole_at(v);
+      if (hole.empty()) {
+        continue;
+      }
+      Move move;
+      if (fill(hole, {}, price, move) && change_by(move) <= 0) {
+        apply(move);
+      }
+    }
+  }
+
+  SimplexArray finish() { return complex_.finish(); }
+
+ private:
+  /// Vertices of the connected open facets at v; none where there are too many.
+  std::vector<Index> hole_at(Index v) const {
+    std::vector<Index> found{v};
+    for (std::size_t next = 0; next < found.size(); ++next) {
+      for (const Offset s : complex_.star(found[next])) {
+        for (int i = 0; i < arity_; ++i) {
+          const std::vector<Index> facet = complex_.facet(s, i);
+          if (std::find(facet.begin(), facet.end(), found[next]) == facet.end() ||
+              complex_.simplices_on(facet).size() != 1) {
+            continue;
+          }
+          for (const Index w : facet) {
+            if (std::find(found.begin(), found.end(), w) == found.end()) {
+              found.push_back(w);
+            }
+          }
+        }
+      }
+      if (found.size() > kMostVertices) {
+        return {};
+      }
+    }
+    if (found.size() == 1) {
+      return {};
+    }
+    std::sort(found.begin(), found.end());
+    return found;
+  }
+
+  std::vector<Move> moves_at(Index v) {
+    std::vector<Move> moves;
+    for (const std::vector<Index>& face : faces_at(v)) {
+      const std::vector<std::vector<Offset>> fans = fans_at(face);
+      if (fans.size() < 2) {
+        continue;
+      }
+      for (const std::vector<Offset>& fan : fans) {
+        Move move{fan, {}, 0};
+        if (has_open_facet(fan)) {
+          moves.push_back(move);
+        }
+        if (refill(face, move)) {
+          moves.push_back(std::move(move));
+        }
+      }
+    }
+    std::vector<std::vector<Index>> open;
+    for (const Offset s : complex_.star(v)) {
+      bool at_boundary = false;
+      for (int i = 0; i < arity_; ++i) {
+        std::vector<Index> facet = complex_.facet(s, i);
+        if (complex_.simplices_on(facet).size() == 1) {
+          at_boundary = true;
+          open.push_back(std::move(facet));
+        }
+      }
+      if (at_boundary) {
+        moves.push_back({{s}, {}, 0});
+      }
+    }
+    for (std::size_t i = 0; i < open.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        std::vector<Index> both;
+        std::set_union(open[i].begin(), open[i].end(), open[j].begin(), open[j].end(),
+                       std::back_inserter(both));
+        if (static_cast<int>(both.size()) == arity_ &&
+            complex_.simplices_on(both).empty()) {
+          moves.push_back({{}, std::move(both), 0});
+        }
+      }
+    }
+    for (Move& move : moves) {
+      for (const Offset s : move.out) {
+        move.energy -= ruler_.energy(complex_[s], arity_);
+      }
+      for (std::size_t i = 0; i < move.in.size(); i += arity_) {
+        move.energy += ruler_.energy(move.in.data() + i, arity_);
+      }
+    }
+    return moves;
+  }
+
+  /// Faces with v around which there may be several fans: dimension 0 to K-2.
+  std::vector<std::vector<Index>> faces_at(Index v) const {
+    std::vector<std::vector<Index>> faces;
+    std::vector<Index> face;
+    for (const Offset s : complex_.star(v)) {
+      for (unsigned subset = 1; subset < 1U << arity_; ++subset) {
+        face.clear();
+        for (int i = 0; i < arity_; ++i) {
+          if ((subset >> i & 1U) != 0) {
+            face.push_back(complex_[s][i]);
+          }
+        }
+        if (static_cast<int>(face.size()) <= arity_ - 2 &&
+            std::find(face.begin(), face.end(), v) != face.end()) {
+          faces.push_back(face);
+        }
+      }
+    }
+    detail::sort_unique(faces);
+    return faces;
+  }
+
+  /// Simplices on a face that are connected through facets on it.
+  std::vector<std::vector<Offset>> fans_at(const std::vector<Index>& face) const {
+    const std::vector<Offset> star = complex_.simplices_on(face);
+    detail::DisjointSets sets(static_cast<Offset>(star.size()));
+    for (std::size_t a = 0; a < star.size(); ++a) {
+      for (std::size_t b = 0; b < a; ++b) {
+        std::vector<Index> common;
+        std::set_intersection(complex_[star[a]], complex_[star[a]] + arity_,
+                              complex_[star[b]], complex_[star[b]] + arity_,
+                              std::back_inserter(common));
+        if (static_cast<int>(common.size()) == arity_ - 1) {
+          sets.join(static_cast<Offset>(a), static_cast<Offset>(b));
+        }
+      }
+    }
+    std::vector<std::vector<Offset>> fans;
+    std::vector<std::size_t> fan_of(star.size());
+    for (std::size_t a = 0; a < star.size(); ++a) {
+      const auto root = static_cast<std::size_t>(sets.find(static_cast<Offset>(a)));
+      if (root == a) {
+        fan_of[a] = fans.size();
+        fans.emplace_back();
+      }
+      fans[fan_of[root]].push_back(star[a]);
+    }
+    return fans;
+  }
+
+  bool has_open_facet(const std::vector<Offset>& fan) const {
+    for (const Offset s : fan) {
+      for (int i = 0; i < arity_; ++i) {
+        if (complex_.simplices_on(complex_.facet(s, i)).size() == 1) {
+          return true;
+        }
+      }
+    }
+    return false;
+  }
+
+  /// Fills the hole that the move leaves by simplices without the face.
+  bool refill(const std::vector<Index>& face, Move& move) {
+    std::vector<Index> vertices;
+    for (const Offset s : move.out) {
+      vertices.insert(vertices.end(), complex_[s], complex_[s] + arity_);
+    }
+    detail::sort_unique(vertices);
+    if (face.size() == 1) {
+      vertices.erase(std::find(vertices.begin(), vertices.end(), face[0]));
+    }
+    return fill(
+        vertices, face,
+        [](const Index*) { return std::numeric_limits<double>::infinity(); }, move);
+  }
+
+  /// Adds to the move what fills the cavities between some vertices, without the face.
+  /// \returns false where a facet between them stays open
+  bool fill(const std::vector<Index>& vertices, const std::vector<Index>& face,
+            const FacetPrice& price, Move& move) {
+    if (vertices.size() > kMostVertices || static_cast<int>(vertices.size()) < arity_) {
+      return false;
+    }
+    SimplexArray around{arity_, {}};
+    std::vector<Offset> seen;
+    for (const Index w : vertices) {
+      inside_[w] = 1;
+      seen.insert(seen.end(), complex_.star(w).begin(), complex_.star(w).end());
+    }
+    detail::sort_unique(seen);
+    for (const Offset s : seen) {
+      if (std::find(move.out.begin(), move.out.end(), s) == move.out.end()) {
+        detail::append_row(around, complex_[s]);
+      }
+    }
+    const Cavities cavities =
+        find_cavities(around, inside_, subsets_of(vertices, face), ruler_, price);
+    for (const Index w : vertices) {
+      inside_[w] = 0;
+    }
+    if (cavities.count() == 0 || !cavities.dead_ends.empty()) {
+      return false;
+    }
+    detail::CavitySearch search(cavities, execution_);
+    for (Index c = 0; c < cavities.count(); ++c) {
+      search.run(c, kSearchSteps);
+      if (search.leaves_open()) {
+        return false;
+      }
+      for (const Index chosen : search.chosen()) {
+        move.in.insert(move.in.end(), cavities.candidates[chosen],
+                       cavities.candidates[chosen] + arity_);
+      }
+    }
+    return !move.in.empty();
+  }
+
+  /// All (K+1)-subsets without the face, if there is one, that are no simplices yet.
+  SimplexArray subsets_of(const std::vector<Index>& vertices,
+                          const std::vector<Index>& face) const {
+    SimplexArray result{arity_, {}};
+    std::vector<std::uint8_t> pick(vertices.size(), 0);
+    std::fill_n(pick.begin(), arity_, 1);
+    std::vector<Index> row(arity_);
+    do {
+      auto out = row.begin();
+      for (std::size_t i = 0; i < vertices.size(); ++i) {
+        if (pick[i] != 0) {
+          *out++ = vertices[i];
+        }
+      }
+      const bool excluded = !face.empty() && std::includes(row.begin(), row.end(),
+                                                           face.begin(), face.end());
+      if (!excluded && complex_.simplices_on(row).empty()) {
+        detail::append_row(result, row.data());
+      }
+    } while (std::prev_permutation(pick.begin(), pick.end()));
+    return result;
+  }
+
+  std::vector<Index> vertices_of(const Move& move) const {
+    std::vector<Index> vertices = move.in;
+    for (const Offset s : move.out) {
+      vertices.insert(vertices.end(), complex_[s], complex_[s] + arity_);
+    }
+    detail::sort_unique(vertices);
+    return vertices;
+  }
+
+  std::vector<Offset> apply(const Move& move) {
+    for (const Offset s : move.out) {
+      complex_.remove(s);
+    }
+    std::vector<Offset> added;
+    for (std::size_t i = 0; i < move.in.size(); i += arity_) {
+      added.push_back(complex_.add(move.in.data() + i));
+    }
+    return added;
+  }
+
+  /// By how much there are more singular vertices; one that is left without simplices, to
+  /// be put back later, counts half.
+  double change_by(const Move& move) {
+    const std::vector<Index> touched = vertices_of(move);
+    const auto badness = [&] {
+      double sum = 0;
+      for (const Index v : touched) {
+        sum += complex_.star(v).empty() ? 0.5 : is_singular(v) ? 1.0 : 0.0;
+      }
+      return sum;
+    };
+    const double before = badness();
+    const std::vector<Offset> added = apply(move);
+    const double after = badness();
+    for (const Offset s : added) {
+      complex_.remove(s);
+    }
+    for (const Offset s : move.out) {
+      complex_.restore(s);
+    }
+    return after - before;
+  }
+
+  const Execution& execution_;
+  detail::EditableComplex complex_;
+  int arity_;
+  SimplexRuler ruler_;
+  std::vector<std::uint8_t> inside_;
+};
+
+/// Marked vertices on facets with one coface.
+std::vector<Index> open_vertices(const SimplexArray& simplices,
+                                 const std::vector<std::uint8_t>& marked,
+                                 const Execution& execution) {
+  const SimplexArray near = detail::select_rows(
+      simplices, detail::rows_near(simplices, marked, simplices.arity - 1, execution));
+  const FacetGroups groups =
+      group_facets(near, static_cast<Index>(marked.size()), execution);
+  std::vector<Index> facet(simplices.arity - 1);
+  std::vector<Index> result;
+  for (Offset g = 0; g < groups.size(); ++g) {
+    copy_facet(near, groups.facets[groups.offsets[g]], facet.data());
+    if (groups.cofaces(g) == 1 && std::all_of(facet.begin(), facet.end(), [&](Index v) {
+          return marked[v] != 0;
+        })) {
+      result.insert(result.end(), facet.begin(), facet.end());
+    }
+  }
+  detail::sort_unique(result);
+  return result;
+}
+
+}  // namespace
+
+void repair_links(const Samples& samples, const std::vector<double>& scales,
+                  const std::vector<std::uint8_t>& marked, const FacetPrice& price,
+                  SimplexArray& simplices, const Execution& execution) {
+  if (simplices.arity - 1 > kMostDim) {
+    return;
+  }
+  std::vector<Index> singular = singular_vertices(simplices, marked, execution);
+  std::vector<Index> open = open_vertices(simplices, marked, execution);
+  if (singular.empty() && open.empty()) {
+    return;
+  }
+  LinkRepair repair(samples, scales, simplices, execution);
+  for (int round = 0; round < kRounds && !singular.empty(); ++round) {
+    std::vector<Index> left;
+    for (std::size_t i = 0; i < singular.size(); ++i) {
+      execution.poll();
+      const Index v = singular[i];
+      if (!repair.is_singular(v)) {
+        continue;
+      }
+      const std::vector<Index> touched = repair.mend(v);
+      open.insert(open.end(), touched.begin(), touched.end());
+      std::copy_if(touched.begin(), touched.end(), std::back_inserter(left),
+                   [&](Index w) { return repair.is_singular(w); });
+      if (touched.empty()) {
+        left.push_back(v);
+      }
+    }
+    detail::sort_unique(left);
+    singular.swap(left);
+  }
+  repair.close_holes(open, price);
+  simplices = repair.finish();
+}
+
+}  // namespace remanifold

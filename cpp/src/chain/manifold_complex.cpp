@@ -1,0 +1,498 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "remanifold/manifold_complex.hpp"
+
+#include "base/parallel.hpp"
+#include "base/signed_sets.hpp"
+#include "base/sort_unique.hpp"
+#include "chain/candidates.hpp"
+#include "complex/simplex_rows.hpp"
+#include "remanifold/cavities.hpp"
+#include "remanifold/curve_repair.hpp"
+#include "remanifold/facets.hpp"
+#include "remanifold/link_repair.hpp"
+#include "remanifold/simplex_measures.hpp"
+#include "remanifold/star_consensus.hpp"
+#include "remanifold/topology.hpp"
+#include "remanifold/vertex_insertion.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace remanifold {
+namespace {
+
+constexpr Offset kBlock = 1024;
+/// Price of an open facet where none may be.
+constexpr double kForbidden = 1e5;
+/// Price of an open facet at samples that are known to lie on the boundary.
+constexpr double kAllowed = 1;
+/// Radius of the smallest round hole, in units of h, among samples that lie at random (of
+/// which gaps reach 2 h) and among even ones.
+constexpr double kHoleAtRandom = 3.0;
+constexpr double kHoleEven = 1.4;
+/// On curves h spans more neighbors.
+constexpr double kHoleOfCurve = 0.6;
+/// Cosine of the angle at a facet above which a fold is sharp: less than 120 degrees.
+constexpr double kSharpFold = -0.5;
+/// Neighbors joined by edges for the widest choice of candidates where there is no
+/// ambient Delaunay triangulation.
+constexpr int kNeighborsPerDim = 4;
+/// More cliques than this for each sample around what is open are too many to choose from.
+constexpr std::size_t kCliquesPerSample = 500;
+
+class ManifoldBuilder {
+ public:
+  ManifoldBuilder(const Samples& samples, const Neighborhoods& neighborhoods,
+                  const TangentSpaces& tangents, const LocalRegions& regions,
+                  const ManifoldOptions& options, const ProgramSolver& solver,
+                  const Execution& execution)
+      : samples_(samples),
+        neighborhoods_(neighborhoods),
+        tangents_(tangents),
+        regions_(regions),
+        options_(options),
+        solver_(solver),
+        execution_(execution),
+        dim_(regions.dim),
+        arity_(regions.dim + 1),
+        scales_(local_scales(samples, neighborhoods, regions.dim, execution)),
+        ruler_(samples, scales_),
+        price_([this](const Index* facet) { return price_of(facet); }) {
+    const std::vector<std::uint8_t>& marked = options_.boundary_samples;
+    if (options_.boundary == BoundaryRule::kGiven &&
+        std::find(marked.begin(), marked.end(), 1) == marked.end()) {
+      options_.boundary = BoundaryRule::kNone;
+    }
+    if (options_.hole_radius == 0) {
+      const double even = evenness(samples, neighborhoods, scales_, dim_, execution);
+      options_.hole_radius = (kHoleAtRandom + even * (kHoleEven - kHoleAtRandom)) *
+                             (dim_ == 1 ? kHoleOfCurve : 1.0);
+    }
+    if (options_.boundary != BoundaryRule::kNone) {
+      options_.fixed_radius =
+          std::min(options_.fixed_radius, options_.hole_share * options_.hole_radius);
+    }
+    result_.report.hole_radius = options_.hole_radius;
+  }
+
+  ManifoldComplex run() {
+    fix_agreed();
+    find_unsettled();
+    pool_ = disputed_;
+    pool_.vertices.insert(pool_.vertices.end(), large_.vertices.begin(),
+                          large_.vertices.end());
+    // Each time with more candidates, for what is still open.
+    fill(false);
+    // A wider choice offers fillings without orientation; programs see that.
+    options_.chain.search_candidates = 0;
+    for (int widening = 0; widening < 2 && !open_region_.empty(); ++widening) {
+      widen(widening);
+      fill(widening == 1);
+    }
+    finish();
+    return std::move(result_);
+  }
+
+ private:
+  /// Splits the simplices of the stars into fixed_, disputed_ and large_.
+  void fix_agreed() {
+    StarSimplices stars = count_votes(regions_, execution_);
+    const Offset count = stars.simplices.size();
+    enum : std::uint8_t { kFixed, kLarge, kDisputed, kDropped };
+    std::vector<std::uint8_t> kind(count, kDropped);
+    detail::for_each_block_uncounted(
+        count, kBlock, execution_, [&](Offset begin, Offset end) {
+          SimplexRuler ruler(samples_, scales_);
+          for (Offset s = begin; s < end; ++s) {
+            const Index* simplex = stars.simplices[s];
+            const double radius = ruler.measure(simplex, arity_).circumradius /
+                                  ruler.scale(simplex, arity_);
+            if (stars.agreed(s) && radius <= options_.fixed_radius) {
+              kind[s] = kFixed;
+            } else if (radius <= options_.largest_radius) {
+              kind[s] = stars.agreed(s) ? kLarge : kDisputed;
+            }
+          }
+        });
+    fixed_.arity = disputed_.arity = large_.arity = pool_.arity = arity_;
+    result_.report.disputed.arity = arity_;
+    for (Offset s = 0; s < count; ++s) {
+      const Index* simplex = stars.simplices[s];
+      result_.report.agreed += stars.agreed(s) ? 1 : 0;
+      if (!stars.agreed(s)) {
+        detail::append_row(result_.report.disputed, simplex);
+      }
+      if (kind[s] != kDropped) {
+        detail::append_row(kind[s] == kFixed   ? fixed_
+                           : kind[s] == kLarge ? large_
+                                               : disputed_,
+                           simplex);
+      }
+    }
+    stars = {};
+    free_small_patches();
+  }
+
+  /// Small patches have an orientation of their own, which may be wrong, and facets with
+  /// more than two cofaces cannot stay.
+  void free_small_patches() {
+    const std::vector<FacetNumber> neighbors =
+        facet_neighbors(fixed_, samples_.size(), execution_);
+    std::vector<std::uint8_t> freed(fixed_.size(), 0);
+    for (std::size_t f = 0; f < neighbors.size(); ++f) {
+      if (neighbors[f] == kBranching) {
+        freed[f / arity_] = 1;
+      }
+    }
+    if (dim_ > 1) {
+      patches_ = orient_patches(neighbors, arity_, execution_);
+      const OrientedPatches& patches = patches_;
+      const Offset largest =
+          patches.sizes.empty()
+              ? 0
+              : *std::max_element(patches.sizes.begin(), patches.sizes.end());
+      for (Offset s = 0; s < fixed_.size(); ++s) {
+        const Offset size = patches.sizes[patches.patch[s]];
+        if (size < options_.smallest_patch && size < largest) {
+          freed[s] = 1;
+        }
+      }
+      if (std::count(patches.orientable.begin(), patches.orientable.end(), 0) > 0) {
+        free_twisted_folds(neighbors, freed);
+      }
+    }
+    for (Offset s = 0; s < fixed_.size(); ++s) {
+      if (freed[s] != 0) {
+        detail::append_row(disputed_, fixed_[s]);
+        // Not as part of a patch that goes as a whole.
+        split_ = split_ || dim_ == 1 ||
+                 patches_.sizes[patches_.patch[s]] >= options_.smallest_patch;
+      }
+    }
+    Offset kept = 0;
+    for (Offset s = 0; dim_ > 1 && s < fixed_.size(); ++s) {
+      if (freed[s] == 0) {
+        patches_.patch[kept] = patches_.patch[s];
+        patches_.sign[kept] = patches_.sign[s];
+        ++kept;
+      }
+    }
+    detail::erase_rows(fixed_, freed);
+    num_agreed_ = fixed_.size();
+  }
+
+  /// Where a patch has no orientation because of a sharp fold, its simplices there are not
+  /// to be believed: orients facet by facet, the flattest first, and frees both simplices
+  /// at sharp folds that contradict.
+  void free_twisted_folds(const std::vector<FacetNumber>& neighbors,
+                          std::vector<std::uint8_t>& freed) {
+    struct Crossing {
+      double fold;
+      FacetNumber a, b;
+      bool operator<(const Crossing& other) const {
+        return fold != other.fold ? fold < other.fold : a < other.a;
+      }
+    };
+    std::vector<Crossing> crossings;
+    std::vector<Index> facet(dim_);
+    for (std::size_t i = 0; i < neighbors.size(); ++i) {
+      const auto a = static_cast<FacetNumber>(i);
+      const FacetNumber b = neighbors[i];
+      if (b <= a || patches_.orientable[patches_.patch[a / arity_]] != 0) {
+        continue;
+      }
+      copy_facet(fixed_, a, facet.data());
+      crossings.push_back(
+          {ruler_.fold(facet.data(), dim_, fixed_[a / arity_][a % arity_],
+                       fixed_[b / arity_][b % arity_]),
+           a, b});
+    }
+    std::sort(crossings.begin(), crossings.end());
+    detail::SignedSets sets(fixed_.size());
+    bool changed = false;
+    for (const Crossing& crossing : crossings) {
+      const Offset s = crossing.a / arity_;
+      const Offset t = crossing.b / arity_;
+      const int product = flips_across(crossing.a, crossing.b, arity_) ? -1 : 1;
+      if (!sets.join(s, t, product) && crossing.fold > kSharpFold) {
+        freed[s] = freed[t] = 1;
+        changed = true;
+      }
+    }
+    if (changed) {
+      SimplexArray kept = fixed_;
+      detail::erase_rows(kept, freed);
+      const OrientedPatches again =
+          orient_patches(facet_neighbors(kept, samples_.size(), execution_), arity_);
+      Offset next = 0;
+      for (Offset s = 0; s < fixed_.size(); ++s) {
+        if (freed[s] == 0) {
+          patches_.patch[s] = again.patch[next];
+          patches_.sign[s] = again.sign[next];
+          ++next;
+        }
+      }
+      patches_.sizes = again.sizes;
+      patches_.orientable = again.orientable;
+    }
+  }
+
+  /// A sample whose star is all fixed has no open facet, nor room for a candidate.
+  void find_unsettled() {
+    const auto n = static_cast<std::size_t>(samples_.size());
+    std::vector<Offset> fixed_cofaces(n, 0);
+    for (const Index v : fixed_.vertices) {
+      ++fixed_cofaces[v];
+    }
+    unsettled_.assign(n, 0);
+    for (Index x = 0; x < samples_.size(); ++x) {
+      const bool whole =
+          tangents_.boundary[x] == 0 && std::isfinite(regions_.squared_radii[x]) &&
+          fixed_cofaces[x] == regions_.star_offsets[x + 1] - regions_.star_offsets[x];
+      unsettled_[x] = whole ? 0 : 1;
+    }
+  }
+
+  /// Fills the cavities from the pool. What stays open is left for the next time, unless
+  /// this is the last.
+  void fill(bool last) {
+    const std::vector<Offset> numbers =
+        detail::rows_near(fixed_, unsettled_, dim_, execution_);
+    const SimplexArray near = detail::select_rows(fixed_, numbers);
+    Cavities cavities =
+        find_cavities(near, unsettled_, pool_, ruler_, price_,
+                      options_.boundary == BoundaryRule::kNone, execution_);
+    for (FacetNumber& rim : cavities.rims) {
+      if (rim != kOpen) {
+        rim = numbers[rim / arity_] * arity_ + rim % arity_;
+      }
+    }
+    // The orientation of the patches is that of the first time.
+    const OrientedPatches* patches =
+        fixed_.size() == num_agreed_ && dim_ > 1 ? &patches_ : nullptr;
+    const ChainFill chain = fill_cavities(cavities, fixed_, patches, samples_.size(),
+                                          options_.chain, solver_, execution_);
+    result_.report.cavities += chain.searched + chain.programs;
+    result_.report.programs += chain.programs;
+    result_.report.integer_programs += chain.integer_programs;
+    result_.report.unsolved += chain.unsolved;
+
+    std::vector<Index> cavity_of(cavities.energies.size());
+    pool_.vertices.clear();
+    open_region_.clear();
+    for (Index c = 0; c < cavities.count(); ++c) {
+      for (Offset i = 0; i < cavities.candidates_in.size(c); ++i) {
+        cavity_of[cavities.candidates_in.begin(c)[i]] = c;
+      }
+      if (chain.open[c] == 0) {
+        continue;
+      }
+      for (Offset i = 0; i < cavities.candidates_in.size(c); ++i) {
+        const Index* simplex = cavities.candidates[cavities.candidates_in.begin(c)[i]];
+        detail::append_row(pool_, simplex);
+        open_region_.insert(open_region_.end(), simplex, simplex + arity_);
+      }
+    }
+    std::vector<Index> facet(dim_);
+    for (const FacetNumber f : cavities.dead_ends) {
+      copy_facet(near, f, facet.data());
+      open_region_.insert(open_region_.end(), facet.begin(), facet.end());
+    }
+    detail::sort_unique(open_region_);
+    for (const Index c : chain.chosen) {
+      if (last || chain.open[cavity_of[c]] == 0) {
+        detail::append_row(fixed_, cavities.candidates[c]);
+      }
+    }
+  }
+
+  double price_of(const Index* facet) {
+    const double size = ruler_.facet_size(facet, dim_);
+    if (options_.boundary == BoundaryRule::kAuto) {
+      return size * open_price(dim_, options_.hole_radius);
+    }
+    const bool allowed = options_.boundary == BoundaryRule::kGiven &&
+                         std::all_of(facet, facet + dim_, [&](Index v) {
+                           return options_.boundary_samples[v] != 0;
+                         });
+    return size * (allowed ? kAllowed : kForbidden);
+  }
+
+  /// More candidates around what is open: first all cliques of the edges that some star
+  /// has, then the ambient Delaunay triangulation or, where there is none, all cliques of
+  /// near neighbors.
+  void widen(int step) {
+    std::vector<std::uint8_t> marked(samples_.size(), 0);
+    for (const Index v : open_region_) {
+      marked[v] = 1;
+    }
+    SimplexArray more{arity_, {}};
+    if (step == 1 && samples_.has_points() && samples_.ambient_dim() <= 3 &&
+        samples_.ambient_dim() > 1) {
+      more = detail::delaunay_faces(samples_, open_region_, dim_);
+    } else {
+      const std::size_t most = kCliquesPerSample * open_region_.size();
+      std::vector<Index> pairs;
+      for (const SimplexArray* simplices : {&fixed_, &disputed_, &large_}) {
+        detail::append_edges(*simplices, marked, pairs);
+      }
+      if (step == 1) {
+        detail::append_neighbor_edges(neighborhoods_, kNeighborsPerDim * dim_,
+                                      open_region_, marked, pairs);
+      }
+      more = detail::cliques_of(pairs, dim_, most, execution_);
+    }
+    for (Offset s = 0; s < more.size(); ++s) {
+      const Index* simplex = more[s];
+      if (ruler_.measure(simplex, arity_).circumradius <=
+          options_.largest_radius * ruler_.scale(simplex, arity_)) {
+        detail::append_row(pool_, simplex);
+      }
+    }
+    for (const Index v : open_region_) {
+      unsettled_[v] = 1;
+    }
+  }
+
+  void finish() {
+    ManifoldReport& report = result_.report;
+    result_.simplices = detail::sorted_unique(fixed_, execution_);
+    if (dim_ == 1) {
+      repair_curves(samples_, neighborhoods_, scales_, price_, options_.smallest_loop,
+                    result_.simplices, execution_);
+    }
+    repair_links(samples_, scales_, unsettled_, price_, result_.simplices, execution_);
+    Insertion insertion =
+        insert_vertices(samples_, neighborhoods_, scales_, options_.outlier_distance,
+                        result_.simplices, execution_);
+    report.inserted = std::move(insertion.inserted);
+    report.outliers = std::move(insertion.outliers);
+    unsettle_changed();
+    list_filled();
+    // Around what was inserted, links have changed as well.
+    std::vector<std::uint8_t> marked = unsettled_;
+    const SimplexArray touched = detail::select_rows(
+        result_.simplices,
+        detail::rows_near(result_.simplices, unsettled_, 1, execution_));
+    for (const Index v : touched.vertices) {
+      marked[v] = 1;
+    }
+    report.singular = singular_vertices(result_.simplices, marked, execution_);
+    // All others have whole stars.
+    report.open_facets.arity = report.branching_facets.arity = dim_;
+    const FacetGroups groups = group_facets(touched, samples_.size(), execution_);
+    std::vector<Index> facet(dim_);
+    for (Offset g = 0; g < groups.size(); ++g) {
+      copy_facet(touched, groups.facets[groups.offsets[g]], facet.data());
+      if (groups.cofaces(g) != 2 &&
+          std::all_of(facet.begin(), facet.end(),
+                      [&](Index v) { return unsettled_[v] != 0; })) {
+        detail::append_row(
+            groups.cofaces(g) == 1 ? report.open_facets : report.branching_facets,
+            facet.data());
+      }
+    }
+    orient_result();
+  }
+
+  /// Repairs reach beyond the samples that were unsettled.
+  void unsettle_changed() {
+    const auto mark = [&](const Index* simplex) {
+      for (int i = 0; i < arity_; ++i) {
+        unsettled_[simplex[i]] = 1;
+      }
+    };
+    Offset a = 0;  // agreed simplices are sorted as well
+    for (Offset s = 0; s < result_.simplices.size(); ++s) {
+      const Index* simplex = result_.simplices[s];
+      for (; a < num_agreed_ && detail::row_less(fixed_[a], simplex, arity_); ++a) {
+        mark(fixed_[a]);
+      }
+      if (a < num_agreed_ && detail::row_equal(fixed_[a], simplex, arity_)) {
+        ++a;
+      } else {
+        mark(simplex);
+      }
+    }
+    for (; a < num_agreed_; ++a) {
+      mark(fixed_[a]);
+    }
+  }
+
+  /// The patches of the agreed simplices stay connected as long as all are there.
+  void orient_result() {
+    std::optional<OrientedPatches> patches;
+    if (dim_ > 1 && !split_ && result_.report.branching_facets.size() == 0) {
+      patches = extend_patches(fixed_, num_agreed_, patches_, result_.simplices,
+                               unsettled_, execution_);
+    }
+    result_.patches =
+        patches ? std::move(*patches)
+                : orient_patches(
+                      facet_neighbors(result_.simplices, samples_.size(), execution_),
+                      arity_);
+  }
+
+  /// What is not among the agreed simplices; those with a settled vertex are.
+  void list_filled() {
+    std::vector<Offset> rows =
+        detail::rows_near(fixed_, unsettled_, arity_, execution_);
+    rows.erase(std::lower_bound(rows.begin(), rows.end(), num_agreed_), rows.end());
+    const SimplexArray agreed =
+        detail::sorted_unique(detail::select_rows(fixed_, rows));
+    SimplexArray& filled = result_.report.filled;
+    filled.arity = arity_;
+    for (const Offset s :
+         detail::rows_near(result_.simplices, unsettled_, arity_, execution_)) {
+      const Index* simplex = result_.simplices[s];
+      if (detail::find_row(agreed, simplex) < 0) {
+        detail::append_row(filled, simplex);
+      }
+    }
+  }
+
+  const Samples& samples_;
+  const Neighborhoods& neighborhoods_;
+  const TangentSpaces& tangents_;
+  const LocalRegions& regions_;
+  ManifoldOptions options_;
+  const ProgramSolver& solver_;
+  const Execution& execution_;
+  int dim_;
+  int arity_;
+  std::vector<double> scales_;
+  SimplexRuler ruler_;
+  FacetPrice price_;  // of leaving a facet open
+
+  OrientedPatches patches_;  // of the agreed simplices
+  bool split_ = false;       // one of these patches may have come apart
+  SimplexArray fixed_;       // agreed simplices, then those chosen
+  SimplexArray disputed_;    // simplices of some stars
+  SimplexArray large_;       // agreed on, but large
+  SimplexArray pool_;        // candidates
+  Offset num_agreed_ = 0;
+  std::vector<std::uint8_t> unsettled_;  // samples at which facets may be open
+  std::vector<Index> open_region_;       // samples around what stayed open, ascending
+  ManifoldComplex result_;
+};
+
+}  // namespace
+
+double open_price(int dim, double hole_radius) {
+  return 2.0 * (dim + 1) / dim * hole_radius * hole_radius * hole_radius;
+}
+
+ManifoldComplex build_manifold(const Samples& samples,
+                               const Neighborhoods& neighborhoods,
+                               const TangentSpaces& tangents,
+                               const LocalRegions& regions,
+                               const ManifoldOptions& options,
+                               const ProgramSolver& solver,
+                               const Execution& execution) {
+  return ManifoldBuilder(samples, neighborhoods, tangents, regions, options, solver,
+                         execution)
+      .run();
+}
+
+}  // namespace remanifold

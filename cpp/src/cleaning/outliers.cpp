@@ -1,0 +1,415 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "remanifold/outliers.hpp"
+
+#include "base/parallel.hpp"
+#include "local/local_coordinates.hpp"
+#include "local/quadratic_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+namespace remanifold {
+namespace {
+
+constexpr Offset kBlock = 1024;
+constexpr Index kFewestVotes = 15;
+/// Share of the votes that is passed over: the quadrics of some neighbors miss what lies
+/// behind a crease, but at a corner of three sides there is still a third on each.
+constexpr double kQuantile = 0.25;
+constexpr double kMedianScales = 2;
+constexpr double kNoiseQuantile = 0.75;
+constexpr double kNoiseFactor = 8;
+/// Outliers far from everything are each other's neighbors. There they are sparse, this
+/// many times the median scale, and no quadrics agree on where they are: on average over
+/// the neighbors, distances in units of the local scale reach this, and this many times
+/// that of all samples.
+constexpr double kSparse = 3;
+constexpr double kScattered = 0.25;
+constexpr double kScatteredFactor = 2;
+/// Where samples are sparse, an outlier is at least this many of the scales there away.
+constexpr double kLocalScales = 0.75;
+/// Where coarse sampling is all there is to it, few of the sparse samples are like that.
+constexpr std::size_t kScatteredShare = 3;
+/// Samples that stand for all others.
+constexpr Index kProbes = 300;
+/// More sparse samples than this are looked at only where some of them are scattered.
+constexpr std::size_t kManySparse = 2000;
+constexpr Index kSparseStride = 16;
+constexpr int kMostRounds = 20;
+
+template <class T>
+T quantile(std::vector<T> values, double share) {
+  const auto at = values.begin() +
+                  static_cast<Offset>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+class OutlierFinder {
+ public:
+  OutlierFinder(const Samples& samples, const NeighborSearch& search,
+                const Neighborhoods& neighborhoods, const OutlierOptions& options,
+                const Execution& execution)
+      : samples_(samples),
+        search_(search),
+        neighborhoods_(neighborhoods),
+        options_(options),
+        execution_(execution),
+        near_count_(2 * options.dim + 2),
+        vote_count_(
+            std::min(samples.size() / 2,
+                     std::max<Index>(3 * detail::QuadraticFit::unknowns(options.dim),
+                                     kFewestVotes))),
+        out_(samples.size(), 0),
+        apart_(samples.size()),
+        reach_(samples.size()),
+        scales_(samples.size()) {}
+
+  std::vector<Index> run() {
+    std::vector<Index> outliers;
+    if (vote_count_ <= near_count_) {
+      return outliers;
+    }
+    measure_all();
+    for (int round = 0; round < kMostRounds; ++round) {
+      const std::vector<Index> found = find();
+      if (found.empty()) {
+        break;
+      }
+      outliers.insert(outliers.end(), found.begin(), found.end());
+      for (const Index x : found) {
+        out_[x] = 1;
+      }
+      measure_all();
+    }
+    std::sort(outliers.begin(), outliers.end());
+    return outliers;
+  }
+
+ private:
+  struct Scratch {
+    std::unique_ptr<NeighborSearch::Query> query;
+    std::vector<Neighbor> found;
+    std::vector<Index> near;
+    std::vector<double> values;
+  };
+
+  /// The nearest others that are no outliers, from the neighborhoods where these suffice.
+  void nearest(Index x, Index count, Scratch& scratch) const {
+    std::vector<Index>& near = scratch.near;
+    near.clear();
+    const Index* known = neighborhoods_.of(x);
+    for (Index k = 0; k < neighborhoods_.count && as_index(near) < count; ++k) {
+      if (out_[known[k]] == 0) {
+        near.push_back(known[k]);
+      }
+    }
+    Index asked = std::max(neighborhoods_.count, count);
+    while (as_index(near) < count && asked < 2 * samples_.size()) {
+      asked *= 2;
+      if (!scratch.query) {
+        scratch.query = search_.query(execution_);
+      }
+      scratch.query->nearest(x, std::min(asked, samples_.size() - 1),
+                             std::numeric_limits<double>::infinity(), scratch.found);
+      near.clear();
+      for (const Neighbor& neighbor : scratch.found) {
+        if (out_[neighbor.index] == 0 && as_index(near) < count) {
+          near.push_back(neighbor.index);
+        }
+      }
+    }
+  }
+
+  static Index as_index(const std::vector<Index>& values) {
+    return static_cast<Index>(values.size());
+  }
+
+  double distance(Index a, Index b) const {
+    return std::sqrt(samples_.squared_distance(a, b));
+  }
+
+  /// apart_: distance to the (K+1)-th neighbor; reach_: to the (2K+2)-th; scales_: median
+  /// of reach_ around. Only where something changed.
+  void measure_all() {
+    const bool first = alive_.empty();
+    if (first) {
+      alive_.resize(samples_.size());
+      for (Index x = 0; x < samples_.size(); ++x) {
+        alive_[x] = x;
+      }
+    } else {
+      alive_.erase(std::remove_if(alive_.begin(), alive_.end(),
+                                  [&](Index x) { return out_[x] != 0; }),
+                   alive_.end());
+    }
+    detail::PerThread<Scratch> scratches;
+    const auto over_alive = [&](const auto& body) {
+      detail::for_each_block_uncounted(static_cast<Offset>(alive_.size()), kBlock,
+                                       execution_, [&](Offset begin, Offset end) {
+                                         Scratch& scratch = scratches.local();
+                                         for (Offset i = begin; i < end; ++i) {
+                                           body(alive_[i], scratch);
+                                         }
+                                       });
+    };
+    over_alive([&](Index x, Scratch& scratch) {
+      nearest(x, near_count_, scratch);
+      const std::vector<Index>& near = scratch.near;
+      apart_[x] =
+          near.empty()
+              ? 0
+              : distance(x, near[std::min<std::size_t>(options_.dim, near.size() - 1)]);
+      reach_[x] = near.empty() ? 0 : distance(x, near.back());
+    });
+    over_alive([&](Index x, Scratch& scratch) {
+      scales_[x] = median_around(x, near_count_, reach_, scratch);
+    });
+    std::vector<double> all;
+    all.reserve(alive_.size());
+    for (const Index x : alive_) {
+      all.push_back(scales_[x]);
+    }
+    median_scale_ = quantile(std::move(all), 0.5);
+  }
+
+  double median_around(Index x, Index count, const std::vector<double>& values,
+                       Scratch& scratch) const {
+    nearest(x, count, scratch);
+    std::vector<double>& around = scratch.values;
+    around.assign(1, values[x]);
+    for (const Index y : scratch.near) {
+      around.push_back(values[y]);
+    }
+    const auto middle = around.begin() + static_cast<Offset>(around.size() / 2);
+    std::nth_element(around.begin(), middle, around.end());
+    return *middle;
+  }
+
+  struct Unit {
+    double local;
+    double capped;
+  };
+
+  std::vector<Index> find() {
+    Scratch scratch;
+    std::vector<Index> apart;
+    std::vector<Unit> units;
+    std::vector<Index> sparse;
+    for (const Index x : alive_) {
+      // Cheap, and passes nearly all.
+      if (apart_[x] > options_.distance * std::min(scales_[x] / 2, median_scale_)) {
+        const double local = median_around(x, vote_count_, scales_, scratch);
+        const Unit unit{local, std::min(local, kMedianScales * median_scale_)};
+        if (apart_[x] > options_.distance * unit.capped) {
+          apart.push_back(x);
+          units.push_back(unit);
+        }
+      }
+      if (scales_[x] > kSparse * median_scale_) {
+        sparse.push_back(x);
+      }
+    }
+    std::vector<Index> found;
+    if (apart.empty() && sparse.empty()) {
+      return found;
+    }
+    std::vector<Index> probes;
+    const Index stride = std::max<Index>(1, as_index(alive_) / kProbes);
+    for (Index i = 0; i < as_index(alive_); i += stride) {
+      probes.push_back(alive_[i]);
+    }
+    const std::vector<double> typical = distances(probes);
+    std::vector<double> relative(probes.size());
+    std::vector<double> own(probes.size());
+    for (std::size_t i = 0; i < probes.size(); ++i) {
+      const double scale = scales_[probes[i]];
+      own[i] = std::min(1.0, typical[i] / scale);
+      relative[i] = typical[i] / std::min(scale, kMedianScales * median_scale_);
+    }
+    const double least =
+        std::max(options_.distance, kNoiseFactor * quantile(relative, kNoiseQuantile));
+
+    const std::vector<double> values = distances(apart);
+    for (std::size_t i = 0; i < apart.size(); ++i) {
+      const double away = std::min(values[i], apart_[apart[i]]);
+      if (away > least * units[i].capped && away > kLocalScales * units[i].local) {
+        found.push_back(apart[i]);
+      }
+    }
+    const double scattered =
+        std::max(kScattered, kScatteredFactor * quantile(own, 0.5));
+    if (scattered < 1) {
+      if (sparse.size() > kManySparse) {
+        std::vector<Index> some;
+        for (std::size_t i = 0; i < sparse.size(); i += kSparseStride) {
+          some.push_back(sparse[i]);
+        }
+        if (find_scattered(some, scattered).empty()) {
+          sparse.clear();
+        }
+      }
+      const std::vector<Index> far = find_scattered(sparse, scattered);
+      if (far.size() * kScatteredShare >= sparse.size()) {
+        found.insert(found.end(), far.begin(), far.end());
+      }
+    }
+    std::sort(found.begin(), found.end());
+    found.erase(std::unique(found.begin(), found.end()), found.end());
+    return found;
+  }
+
+  /// Those around which distances are this large on average.
+  std::vector<Index> find_scattered(const std::vector<Index>& sparse, double least) {
+    Scratch scratch;
+    std::vector<Index> around;
+    std::vector<std::size_t> offsets{0};
+    for (const Index x : sparse) {
+      nearest(x, vote_count_, scratch);
+      around.push_back(x);
+      around.insert(around.end(), scratch.near.begin(), scratch.near.end());
+      offsets.push_back(around.size());
+    }
+    std::vector<Index> asked = around;
+    std::sort(asked.begin(), asked.end());
+    asked.erase(std::unique(asked.begin(), asked.end()), asked.end());
+    const std::vector<double> values = distances(asked);
+    std::vector<Index> found;
+    for (std::size_t i = 0; i < sparse.size(); ++i) {
+      double sum = 0;
+      for (std::size_t k = offsets[i]; k < offsets[i + 1]; ++k) {
+        const auto at = std::lower_bound(asked.begin(), asked.end(), around[k]);
+        sum += std::min(1.0, values[at - asked.begin()] / scales_[around[k]]);
+      }
+      if (sum > least * static_cast<double>(offsets[i + 1] - offsets[i])) {
+        found.push_back(sparse[i]);
+      }
+    }
+    return found;
+  }
+
+  /// Lower quartile of the normal distances of each of these samples from the quadrics of
+  /// its neighbors.
+  std::vector<double> distances(const std::vector<Index>& asked) {
+    struct Vote {
+      Index voter;
+      Index sample;
+      std::size_t slot;
+    };
+    std::vector<Vote> votes;
+    std::vector<std::size_t> offsets{0};
+    {
+      Scratch scratch;
+      for (const Index x : asked) {
+        nearest(x, vote_count_, scratch);
+        for (const Index y : scratch.near) {
+          votes.push_back({y, x, votes.size()});
+        }
+        offsets.push_back(votes.size());
+      }
+    }
+    std::sort(votes.begin(), votes.end(), [](const Vote& a, const Vote& b) {
+      return a.voter != b.voter ? a.voter < b.voter : a.slot < b.slot;
+    });
+    std::vector<std::size_t> starts;
+    for (std::size_t v = 0; v < votes.size(); ++v) {
+      if (v == 0 || votes[v].voter != votes[v - 1].voter) {
+        starts.push_back(v);
+      }
+    }
+    starts.push_back(votes.size());
+    std::vector<double> given(votes.size());
+
+    struct Voter {
+      Scratch scratch;
+      detail::LocalCoordinates coordinates;
+      detail::QuadraticFit fit;
+      std::vector<Index> members;
+      Eigen::VectorXd weights;
+    };
+    detail::PerThread<Voter> voters([&] {
+      return Voter{{}, {}, detail::QuadraticFit(options_.dim), {}, {}};
+    });
+    detail::for_each_block_uncounted(
+        static_cast<Offset>(starts.size()) - 1, 16, execution_,
+        [&](Offset begin, Offset end) {
+          Voter& voter = voters.local();
+          for (Offset i = begin; i < end; ++i) {
+            const Index y = votes[starts[i]].voter;
+            nearest(y, vote_count_, voter.scratch);
+            std::vector<Index>& members = voter.members;
+            members = voter.scratch.near;
+            members.push_back(y);
+            const std::size_t fitted = members.size();
+            const double end_of = distance(y, members[fitted - 2]) * (1 + 1e-6);
+            voter.weights.resize(
+                static_cast<Eigen::Index>(fitted + (starts[i + 1] - starts[i])));
+            for (std::size_t k = 0; k < fitted; ++k) {
+              const double ratio = distance(y, members[k]) / end_of;
+              voter.weights[static_cast<Eigen::Index>(k)] = 1 - ratio * ratio;
+            }
+            for (std::size_t v = starts[i]; v < starts[i + 1]; ++v) {
+              voter.weights[static_cast<Eigen::Index>(members.size())] = 0;
+              members.push_back(votes[v].sample);
+            }
+            voter.coordinates.load(samples_, y, members.data(), as_index(members));
+            const bool fits = voter.fit.fit(voter.coordinates.vectors(), voter.weights);
+            for (std::size_t v = starts[i]; v < starts[i + 1]; ++v) {
+              const auto own =
+                  std::find(members.begin(), members.begin() + fitted, votes[v].sample);
+              const auto row =
+                  own != members.begin() + fitted
+                      ? own - members.begin()
+                      : static_cast<std::ptrdiff_t>(fitted + (v - starts[i]));
+              given[votes[v].slot] = fits ? voter.fit.distance_without(row)
+                                          : std::numeric_limits<double>::infinity();
+            }
+          }
+        });
+
+    std::vector<double> result;
+    for (std::size_t i = 0; i < asked.size(); ++i) {
+      const auto from = given.begin() + static_cast<Offset>(offsets[i]);
+      const auto to = given.begin() + static_cast<Offset>(offsets[i + 1]);
+      result.push_back(quantile(std::vector<double>(from, to), kQuantile));
+    }
+    return result;
+  }
+
+  const Samples& samples_;
+  const NeighborSearch& search_;
+  const Neighborhoods& neighborhoods_;
+  const OutlierOptions& options_;
+  const Execution& execution_;
+  Index near_count_;
+  Index vote_count_;
+  std::vector<std::uint8_t> out_;
+  std::vector<Index> alive_;
+  std::vector<double> apart_;
+  std::vector<double> reach_;
+  std::vector<double> scales_;
+  double median_scale_ = 0;
+};
+
+}  // namespace
+
+std::vector<Index> find_outliers(const Samples& samples, const NeighborSearch& search,
+                                 const Neighborhoods& neighborhoods,
+                                 const OutlierOptions& options,
+                                 const Execution& execution) {
+  if (options.dim < 1) {
+    throw std::invalid_argument("dim is " + std::to_string(options.dim) +
+                                ", expected at least 1");
+  }
+  if (!(options.distance > 0)) {
+    throw std::invalid_argument("the distance of outliers is " +
+                                std::to_string(options.distance) +
+                                ", expected a positive number");
+  }
+  return OutlierFinder(samples, search, neighborhoods, options, execution).run();
+}
+
+}  // namespace remanifold

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "remanifold/simplex_measures.hpp"
+
+#include "base/parallel.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace remanifold {
+namespace {
+
+constexpr Offset kBlock = 1024;
+/// Squared volume, in units of a regular simplex of the same edges, below which a simplex
+/// has no circumcenter.
+constexpr double kFlat = 1e-20;
+
+constexpr int kMaxDim = 16;
+using Small =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxDim, kMaxDim>;
+
+}  // namespace
+
+std::vector<double> local_scales(const Samples& samples,
+                                 const Neighborhoods& neighborhoods, int dim,
+                                 const Execution& execution) {
+  const Index n = samples.size();
+  const Index count = std::min(scale_neighbors(dim), neighborhoods.count);
+  std::vector<double> raw(n, 0.0);
+  std::vector<double> scales(n, 0.0);
+  if (count == 0) {
+    return scales;
+  }
+  detail::for_each_block_uncounted(n, kBlock, execution, [&](Offset begin, Offset end) {
+    for (Offset i = begin; i < end; ++i) {
+      const auto x = static_cast<Index>(i);
+      raw[x] = std::sqrt(samples.squared_distance(x, neighborhoods.of(x)[count - 1]));
+    }
+  });
+  detail::for_each_block_uncounted(n, kBlock, execution, [&](Offset begin, Offset end) {
+    std::vector<double> near(count + 1);
+    for (Offset i = begin; i < end; ++i) {
+      const auto x = static_cast<Index>(i);
+      near[0] = raw[x];
+      for (Index k = 0; k < count; ++k) {
+        near[k + 1] = raw[neighborhoods.of(x)[k]];
+      }
+      const auto middle = near.begin() + count / 2;
+      std::nth_element(near.begin(), middle, near.end());
+      scales[x] = *middle;
+    }
+  });
+  return scales;
+}
+
+double evenness(const Samples& samples, const Neighborhoods& neighborhoods,
+                const std::vector<double>& scales, int dim,
+                const Execution& execution) {
+  if (neighborhoods.count == 0) {
+    return 0;
+  }
+  std::vector<double> ratios(samples.size());
+  detail::for_each_block_uncounted(
+      samples.size(), kBlock, execution, [&](Offset begin, Offset end) {
+        for (Offset i = begin; i < end; ++i) {
+          const auto x = static_cast<Index>(i);
+          ratios[x] = std::sqrt(samples.squared_distance(x, neighborhoods.of(x)[0])) /
+                      scales[x];
+        }
+      });
+  const auto tenth = ratios.begin() + static_cast<Offset>(ratios.size() / 10);
+  std::nth_element(ratios.begin(), tenth, ratios.end());
+  // Of a Poisson process: one in ten has a neighbor in a ball that holds -log(0.9) samples
+  // on average, where h holds as many as it has neighbors.
+  const double random = std::pow(-std::log(0.9) / scale_neighbors(dim), 1.0 / dim);
+  const double low = random + 0.3 * (1 - random);
+  const double high = random + 0.42 * (1 - random);
+  return std::clamp((*tenth - low) / (high - low), 0.0, 1.0);
+}
+
+SimplexMeasures SimplexRuler::measure(const Index* vertices, int arity) const {
+  SimplexMeasures result;
+  const int dim = arity - 1;
+  if (dim == 0) {
+    result.volume = 1;
+    return result;
+  }
+  if (dim == 2) {
+    const double a = samples_.squared_distance(vertices[0], vertices[1]);
+    const double b = samples_.squared_distance(vertices[0], vertices[2]);
+    const double c = samples_.squared_distance(vertices[1], vertices[2]);
+    const double product = (a + b - c) / 2;
+    const double determinant = a * b - product * product;
+    result.squared_edges = a + b + c;
+    result.volume = determinant > 0 ? std::sqrt(determinant) / 2 : 0;
+    result.circumradius = determinant > kFlat * a * b
+                              ? std::sqrt(a * b * c / determinant) / 2
+                              : std::numeric_limits<double>::infinity();
+    return result;
+  }
+  Small gram(dim, dim);
+  for (int i = 0; i < dim; ++i) {
+    gram(i, i) = samples_.squared_distance(vertices[0], vertices[i + 1]);
+    result.squared_edges += gram(i, i);
+  }
+  double product = 1;
+  for (int i = 0; i < dim; ++i) {
+    for (int j = 0; j < i; ++j) {
+      const double squared =
+          samples_.squared_distance(vertices[i + 1], vertices[j + 1]);
+      result.squared_edges += squared;
+      gram(i, j) = gram(j, i) = (gram(i, i) + gram(j, j) - squared) / 2;
+    }
+    product *= gram(i, i);
+  }
+  const Eigen::LDLT<Small> factors(gram);
+  const double determinant = factors.vectorD().prod();
+  double factorial = 1;
+  for (int i = 2; i <= dim; ++i) {
+    factorial *= i;
+  }
+  result.volume = determinant > 0 ? std::sqrt(determinant) / factorial : 0;
+  if (!(determinant > kFlat * product)) {
+    result.circumradius = std::numeric_limits<double>::infinity();
+    return result;
+  }
+  const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxDim, 1> half =
+      gram.diagonal() / 2;
+  result.circumradius = std::sqrt(std::max(0.0, half.dot(factors.solve(half))));
+  return result;
+}
+
+int SimplexRuler::orientation(const Index* vertices, int arity) const {
+  const int dim = arity - 1;
+  Small edges(dim, dim);
+  for (int i = 0; i < dim; ++i) {
+    for (int j = 0; j < dim; ++j) {
+      edges(i, j) = samples_.point(vertices[i + 1])[j] - samples_.point(vertices[0])[j];
+    }
+  }
+  return Eigen::PartialPivLU<Small>(edges).determinant() < 0 ? -1 : 1;
+}
+
+double SimplexRuler::scale(const Index* vertices, int arity) const {
+  double sum = 0;
+  for (int i = 0; i < arity; ++i) {
+    sum += scales_[vertices[i]];
+  }
+  return sum / arity;
+}
+
+double SimplexRuler::energy(const Index* vertices, int arity) const {
+  const SimplexMeasures measures = measure(vertices, arity);
+  return measures.volume * measures.squared_edges /
+         std::pow(scale(vertices, arity), arity + 1);
+}
+
+double SimplexRuler::fold(const Index* facet, int arity, Index apex,
+                          Index other_apex) const {
+  // Both apexes less their projections on the facet.
+  const int dim = arity - 1;
+  const auto product = [&](Index a, Index b) {
+    return samples_.inner_product(facet[0], a, b);
+  };
+  double first = product(apex, apex);
+  double second = product(other_apex, other_apex);
+  double both = product(apex, other_apex);
+  if (dim > 0) {
+    Small gram(dim, dim);
+    Eigen::Matrix<double, Eigen::Dynamic, 2, 0, kMaxDim, 2> right(dim, 2);
+    for (int i = 0; i < dim; ++i) {
+      for (int j = 0; j <= i; ++j) {
+        gram(i, j) = gram(j, i) = product(facet[i + 1], facet[j + 1]);
+      }
+      right(i, 0) = product(facet[i + 1], apex);
+      right(i, 1) = product(facet[i + 1], other_apex);
+    }
+    const auto weights = Eigen::LDLT<Small>(gram).solve(right).eval();
+    first -= weights.col(0).dot(right.col(0));
+    second -= weights.col(1).dot(right.col(1));
+    both -= weights.col(0).dot(right.col(1));
+  }
+  const double lengths = std::sqrt(std::max(0.0, first) * std::max(0.0, second));
+  return lengths > 0 ? std::clamp(both / lengths, -1.0, 1.0) : 1.0;
+}
+
+double SimplexRuler::facet_size(const Index* vertices, int arity) const {
+  return measure(vertices, arity).volume / std::pow(scale(vertices, arity), arity - 1);
+}
+
+}  // namespace remanifold

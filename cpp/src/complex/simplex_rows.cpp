@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "complex/simplex_rows.hpp"
+
+#include "base/parallel.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+namespace remanifold::detail {
+
+namespace {
+
+constexpr Offset kBlock = 4096;
+
+}  // namespace
+
+Buckets::Buckets(const SimplexArray& simplices, int column, Index num_vertices)
+    : starts_(static_cast<std::size_t>(num_vertices) + 1, 0) {
+  bool sorted = true;
+  Index last = 0;
+  for (Offset s = 0; s < simplices.size(); ++s) {
+    const Index v = simplices[s][column];
+    sorted = sorted && v >= last;
+    last = v;
+    ++starts_[v + 1];
+  }
+  std::partial_sum(starts_.begin(), starts_.end(), starts_.begin());
+  if (sorted) {
+    return;
+  }
+  rows_.resize(simplices.size());
+  std::vector<Offset> next(starts_.begin(), starts_.end() - 1);
+  for (Offset s = 0; s < simplices.size(); ++s) {
+    rows_[next[simplices[s][column]]++] = s;
+  }
+}
+
+std::vector<Offset> Buckets::take_rows() {
+  if (rows_.empty()) {
+    rows_.resize(starts_.back());
+    std::iota(rows_.begin(), rows_.end(), Offset{0});
+  }
+  return std::move(rows_);
+}
+
+std::vector<Offset> row_order(const SimplexArray& simplices,
+                              const Execution& execution) {
+  const int arity = simplices.arity;
+  const Offset count = simplices.size();
+  const auto less = [&](Offset a, Offset b) {
+    return row_less(simplices[a] + 1, simplices[b] + 1, arity - 1);
+  };
+  // Buckets by the first column, then each on its own.
+  Index last = 0;
+  for (Offset s = 0; s < count; ++s) {
+    last = std::max(last, *simplices[s]);
+  }
+  Buckets buckets(simplices, 0, last + 1);
+  std::vector<Offset> order = buckets.take_rows();
+  for_each_block_uncounted(last + 1, kBlock, execution, [&](Offset begin, Offset end) {
+    for (Offset v = begin; v < end; ++v) {
+      sort_few(
+          order.begin() + buckets.begin(v), order.begin() + buckets.end(v),
+          [&](Offset a, Offset b) { return less(a, b) || (a < b && !less(b, a)); });
+    }
+  });
+  return order;
+}
+
+SimplexArray sorted_unique(const SimplexArray& simplices, const Execution& execution) {
+  const int arity = simplices.arity;
+  const std::vector<Offset> order = row_order(simplices, execution);
+  SimplexArray result{arity, {}};
+  result.vertices.reserve(simplices.vertices.size());
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const Index* row = simplices[order[i]];
+    if (i == 0 || !row_equal(row, simplices[order[i - 1]], arity)) {
+      append_row(result, row);
+    }
+  }
+  return result;
+}
+
+std::vector<Offset> rows_near(const SimplexArray& simplices,
+                              const std::vector<std::uint8_t>& marked, int least,
+                              const Execution& execution) {
+  const int arity = simplices.arity;
+  std::vector<std::vector<Offset>> blocks((simplices.size() + kBlock - 1) / kBlock);
+  for_each_block_uncounted(simplices.size(), kBlock, execution,
+                           [&](Offset begin, Offset end) {
+                             for (Offset s = begin; s < end; ++s) {
+                               int count = 0;
+                               for (int i = 0; i < arity; ++i) {
+                                 count += marked[simplices[s][i]] != 0 ? 1 : 0;
+                               }
+                               if (count >= least) {
+                                 blocks[begin / kBlock].push_back(s);
+                               }
+                             }
+                           });
+  std::vector<Offset> rows;
+  for (const std::vector<Offset>& block : blocks) {
+    rows.insert(rows.end(), block.begin(), block.end());
+  }
+  return rows;
+}
+
+SimplexArray select_rows(const SimplexArray& simplices,
+                         const std::vector<Offset>& rows) {
+  SimplexArray result{simplices.arity, {}};
+  result.vertices.reserve(rows.size() * simplices.arity);
+  for (const Offset s : rows) {
+    append_row(result, simplices[s]);
+  }
+  return result;
+}
+
+void erase_rows(SimplexArray& simplices, const std::vector<std::uint8_t>& marked) {
+  Offset kept = 0;
+  for (Offset s = 0; s < simplices.size(); ++s) {
+    if (marked[s] == 0) {
+      std::copy_n(simplices[s], simplices.arity,
+                  simplices.vertices.begin() + kept * simplices.arity);
+      ++kept;
+    }
+  }
+  simplices.vertices.resize(kept * simplices.arity);
+}
+
+Offset find_row(const SimplexArray& sorted, const Index* simplex) {
+  const int arity = sorted.arity;
+  Offset low = 0;
+  Offset high = sorted.size();
+  while (low < high) {
+    const Offset middle = (low + high) / 2;
+    if (row_less(sorted[middle], simplex, arity)) {
+      low = middle + 1;
+    } else {
+      high = middle;
+    }
+  }
+  return low < sorted.size() && row_equal(simplex, sorted[low], arity) ? low
+                                                                       : Offset{-1};
+}
+
+}  // namespace remanifold::detail

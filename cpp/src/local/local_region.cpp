@@ -1,0 +1,593 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "remanifold/local_region.hpp"
+
+#include "base/dispatch.hpp"
+#include "base/parallel.hpp"
+#include "base/tolerance.hpp"
+#include "local/region.hpp"
+#include "local/tangent_frames.hpp"
+#include "samples/known_distances.hpp"
+
+#include <Eigen/Core>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <numeric>
+
+namespace remanifold {
+namespace {
+
+/// Samples of one task; fewer where each may take seconds.
+constexpr Offset block_size(int dim) { return dim < 4 ? 128 : dim == 4 ? 32 : 1; }
+/// Samples whose coordinates are read together.
+constexpr Offset kGroup = 32;
+
+/// Beyond this multiple of the neighborhood the region is certified corner by corner
+/// instead of asking for yet more neighbors.
+constexpr Index kMaxGrowth = 4;
+/// Samples asked for around a corner at first, and at most this times the root of N: where
+/// more are as far from it as x, all are gone through.
+constexpr Offset kCornerCount = 8;
+constexpr double kMaxCornerShare = 4;
+/// Samples measured at a time while going through all, and new halfspaces after which the
+/// region is brought up to date.
+constexpr Index kScanBlock = 1024;
+constexpr int kScanBatch = 64;
+
+/// Neighbors within the security radius of most samples drawn at random (measured; the
+/// means are 5, 15, 44 and 135).
+Index typical_count(int dim) {
+  constexpr Index counts[] = {0, 10, 20, 50, 150};
+  return counts[std::min(dim, 4)];
+}
+
+/// Uniform in [0, 1), by the finalizer of MurmurHash3 (Appleby, public domain).
+double hash_to_unit(std::uint64_t key) {
+  key += 0x9e3779b97f4a7c15ULL;
+  key ^= key >> 33;
+  key *= 0xff51afd7ed558ccdULL;
+  key ^= key >> 33;
+  key *= 0xc4ceb9fe1a85ec53ULL;
+  key ^= key >> 33;
+  return static_cast<double>(key >> 11) * 0x1p-53;
+}
+
+/// The local regions of one thread, one sample after the other.
+template <int K>
+class RegionKernel {
+  using Region = detail::Region<K>;
+  using Vector = typename Region::Vector;
+  using Corner = typename Region::Corner;
+
+ public:
+  RegionKernel(const Samples& samples, const NeighborSearch& search,
+               const Neighborhoods& neighborhoods, const TangentSpaces& tangents,
+               const std::vector<double>& weights, const Execution& execution)
+      : samples_(samples),
+        neighborhoods_(neighborhoods),
+        tangents_(tangents),
+        weights_(weights),
+        execution_(execution),
+        dim_(K == Eigen::Dynamic ? tangents.dim : K),
+        distances_(samples, neighborhoods),
+        query_(search.query(execution)),
+        first_batch_(4 * dim_),
+        ahead_(is_cheap() ? 0 : std::min(neighborhoods.count, typical_count(dim_))),
+        largest_weight_(*std::max_element(weights.begin(), weights.end())),
+        max_corner_count_(static_cast<Offset>(
+            kMaxCornerShare * std::sqrt(static_cast<double>(samples.size())))),
+        region_(dim_,
+                samples.size() > detail::kManySamples ? detail::kEndOfRegionAmongMany
+                                                      : detail::kEndOfRegion,
+                execution) {}
+
+  /// Reads the coordinates of the nearest neighbors of a few samples ahead of compute(),
+  /// so that large D does not slow down what comes between.
+  void read_ahead(Index begin, Index end) {
+    if (ahead_ == 0) {
+      return;
+    }
+    const detail::Timed timed(coordinate_seconds_);
+    ahead_begin_ = begin;
+    ahead_coordinates_.resize(dim(), static_cast<Eigen::Index>(end - begin) * ahead_);
+    ahead_distances_.resize(static_cast<std::size_t>(end - begin) * ahead_);
+    for (Index x = begin; x < end; ++x) {
+      if (tangents_.boundary[x] != 0) {
+        continue;
+      }
+      x_ = x;
+      for (Index k = 0; k < ahead_; ++k) {
+        const Index slot = (x - begin) * ahead_ + k;
+        ahead_distances_[slot] =
+            measure(neighborhoods_.of(x)[k], ahead_coordinates_.col(slot));
+      }
+    }
+  }
+
+  void compute(Index x) {
+    start(x);
+    const Offset others = samples_.size() - 1;
+    std::size_t done = 0;
+    bool complete = false;  // the list holds every sample within the limit
+    while (!add_nearest(done) && !complete) {
+      const auto known = static_cast<Offset>(list_.size());
+      if (known == others) {
+        break;
+      }
+      const Offset count = std::min(2 * known, others);
+      if (query_->looks_at_all() ||
+          count > kMaxGrowth * std::max<Offset>(neighborhoods_.count, 8)) {
+        if (!certify_corners()) {
+          scan_all();
+        }
+        break;
+      }
+      nearest(static_cast<Index>(count));
+      if (static_cast<Offset>(grown_.size()) < known) {
+        scan_all();  // only an approximate search forgets neighbors
+        break;
+      }
+      complete = static_cast<Offset>(grown_.size()) < count;
+      for (std::size_t i = list_.size(); i < grown_.size(); ++i) {
+        list_.push_back(grown_[i].index);
+      }
+    }
+    neighbors_used_ += static_cast<Offset>(done);
+  }
+
+  Region& region() { return region_; }
+  Offset neighbors_used() const { return neighbors_used_; }
+  Offset vacuous_constraints() const { return vacuous_constraints_; }
+  double coordinate_seconds() const { return coordinate_seconds_; }
+
+ private:
+  int dim() const { return K == Eigen::Dynamic ? dim_ : K; }
+
+  /// Whether coordinates cost so little that they are neither read ahead nor timed.
+  bool is_cheap() const {
+    return samples_.has_points() && samples_.ambient_dim() <= kPlainLoopDim;
+  }
+
+  void start(Index x) {
+    x_ = x;
+    region_.restart();
+    list_.assign(neighborhoods_.of(x), neighborhoods_.of(x) + neighborhoods_.count);
+    make_room();
+    if (ahead_ > 0) {
+      const Index first = (x - ahead_begin_) * ahead_;
+      tangent_coordinates_.leftCols(ahead_) =
+          ahead_coordinates_.middleCols(first, ahead_);
+      std::copy_n(ahead_distances_.data() + first, ahead_, squared_distances_.data());
+    }
+    measured_ = static_cast<std::size_t>(ahead_);
+  }
+
+  void make_room() {
+    const auto size = static_cast<Eigen::Index>(list_.size());
+    if (tangent_coordinates_.cols() < size) {
+      tangent_coordinates_.conservativeResize(dim(), size);
+      squared_distances_.resize(list_.size());
+    }
+  }
+
+  /// Tangent coordinates and distances of the list up to `last`.
+  void measure_list(std::size_t last) {
+    if (measured_ >= last) {
+      return;
+    }
+    make_room();
+    const auto measure_all = [&] {
+      for (; measured_ < last; ++measured_) {
+        squared_distances_[measured_] =
+            measure(list_[measured_],
+                    tangent_coordinates_.col(static_cast<Eigen::Index>(measured_)));
+      }
+    };
+    if (is_cheap()) {
+      measure_all();
+    } else {
+      const detail::Timed timed(coordinate_seconds_);
+      measure_all();
+    }
+  }
+
+  /// Cuts by the listed neighbors from `done` on, in growing batches, as far as the
+  /// security radius reaches.
+  /// \returns false where it reaches beyond the list
+  bool add_nearest(std::size_t& done) {
+    std::size_t batch = first_batch_;
+    while (done < list_.size()) {
+      const std::size_t end = std::min(list_.size(), done + batch);
+      measure_list(end);
+      for (; done < end && squared_distances_[done] <= region_.limit(); ++done) {
+        add_halfspace(list_[done], squared_distances_[done],
+                      tangent_coordinates_.col(static_cast<Eigen::Index>(done)));
+      }
+      if (done < end || !Region::kLimitFollows) {
+        region_.update();
+      }
+      if (done < end && squared_distances_[done] > region_.limit()) {
+        return true;
+      }
+      batch += batch / 2;
+    }
+    region_.update();
+    return done > 0 && squared_distances_[done - 1] > region_.limit();
+  }
+
+  /// \returns the squared distance
+  template <class Column>
+  double measure(Index q, Column&& coordinates) {
+    const auto row = static_cast<std::size_t>(x_);
+    if (!samples_.has_points()) {
+      const Index count = tangents_.num_coefficients;
+      const Index* neighbors = neighborhoods_.of(x_);
+      const double* coefficients = tangents_.coefficients.data() + row * dim() * count;
+      coordinates.setZero();
+      for (Index a = 0; a < count; ++a) {
+        double product = 0;
+        bool known = false;
+        for (int k = 0; k < dim(); ++k) {
+          const double coefficient = coefficients[k * count + a];
+          if (coefficient != 0) {
+            if (!known) {
+              product = samples_.inner_product(x_, neighbors[a], q);
+              known = true;
+            }
+            coordinates[k] += coefficient * product;
+          }
+        }
+      }
+      return samples_.squared_distance(x_, q);
+    }
+    if (tangents_.bases.empty()) {
+      return measure_by_distances(q, coordinates);
+    }
+    const int ambient_dim = samples_.ambient_dim();
+    const double* px = samples_.point(x_);
+    const double* pq = samples_.point(q);
+    const double* basis = tangents_.bases.data() + row * dim() * ambient_dim;
+    if (K == 2 && ambient_dim == 3) {
+      const double d0 = pq[0] - px[0];
+      const double d1 = pq[1] - px[1];
+      const double d2 = pq[2] - px[2];
+      coordinates[0] = basis[0] * d0 + basis[1] * d1 + basis[2] * d2;
+      coordinates[1] = basis[3] * d0 + basis[4] * d1 + basis[5] * d2;
+      return d0 * d0 + d1 * d1 + d2 * d2;
+    }
+    if (ambient_dim <= kPlainLoopDim) {
+      coordinates.setZero();
+      for (int j = 0; j < ambient_dim; ++j) {
+        const double difference = pq[j] - px[j];
+        for (int k = 0; k < dim(); ++k) {
+          coordinates[k] += basis[k * ambient_dim + j] * difference;
+        }
+      }
+    } else {
+      using Map = Eigen::Map<const Eigen::VectorXd>;
+      difference_ = Map(pq, ambient_dim) - Map(px, ambient_dim);
+      for (int k = 0; k < dim(); ++k) {
+        coordinates[k] = Map(basis + k * ambient_dim, ambient_dim).dot(difference_);
+      }
+    }
+    return samples_.squared_distance(x_, q);
+  }
+
+  template <class Column>
+  double measure_by_distances(Index q, Column&& coordinates) {
+    const Index count = tangents_.num_coefficients;
+    const Index* neighbors = neighborhoods_.of(x_);
+    const double* coefficients =
+        tangents_.coefficients.data() + static_cast<std::size_t>(x_) * dim() * count;
+    if (const double* to_q = distances_.find(x_, q)) {
+      coordinates.setZero();
+      for (Index a = 0; a < count; ++a) {
+        const auto own = [&](int k) { return coefficients[k * count + a]; };
+        bool needed = false;
+        for (int k = 0; k < dim(); ++k) {
+          needed = needed || own(k) != 0;
+        }
+        if (needed) {
+          const double to_a = *distances_.find(x_, neighbors[a]);
+          const double product = (to_a + *to_q - distances_(neighbors[a], q)) / 2;
+          for (int k = 0; k < dim(); ++k) {
+            coordinates[k] += own(k) * product;
+          }
+        }
+      }
+      return *to_q;
+    }
+    // So far away that all samples are looked at: a basis in R^D is cheaper.
+    if (frame_of_ != x_) {
+      frame_of_ = x_;
+      frame_.resize(dim(), samples_.ambient_dim());
+      detail::write_frame([&](Index i) { return samples_.point(i); }, 1.0, x_,
+                          neighbors, count, coefficients, frame_);
+    }
+    using Map = Eigen::Map<const Eigen::VectorXd>;
+    difference_ = Map(samples_.point(q), samples_.ambient_dim()) -
+                  Map(samples_.point(x_), samples_.ambient_dim());
+    for (int k = 0; k < dim(); ++k) {
+      coordinates[k] = frame_.row(k).dot(difference_);
+    }
+    return samples_.squared_distance(x_, q);
+  }
+
+  void add_halfspace(Index q, double squared_distance, const Vector& normal) {
+    if (normal.squaredNorm() <= detail::kVacuousSquaredSine * squared_distance) {
+      ++vacuous_constraints_;
+      return;
+    }
+    const double offset = (squared_distance + weights_[x_] - weights_[q]) / 2;
+    region_.insert(normal, offset, q);
+  }
+
+  /// Cuts by the samples nearest to each corner until no corner is nearer to a sample than
+  /// to x, corners where the region is cut off included. Exact like the security radius,
+  /// at a cost that does not depend on the size of the region: for the few long ones.
+  /// \returns false where it is better to go through all samples: the search knows no
+  /// positions, a corner is too far, or too many samples are as far from it as x
+  bool certify_corners() {
+    region_.update();
+    seen_.resize(samples_.size(), -1);
+    for (const auto& known : region_.halfspaces()) {
+      seen_[known.sample] = x_;
+    }
+    certified_.clear();
+    corner_count_ = kCornerCount;
+    // Corners of the simplex at which regions are cut off are a few times as far.
+    const double farthest = 10 * dim() * detail::kEndOfRegionAmongMany;
+    do {
+      region_.update();
+      for (std::size_t c = 0; c < region_.corners().size(); ++c) {
+        execution_.poll();
+        const Index* facet = region_.facet(c);
+        if (is_certified(facet)) {
+          continue;
+        }
+        const Corner& corner = region_.corners()[c];
+        if (!(corner.length < farthest) || !cut_corner(corner)) {
+          return false;
+        }
+        if (region_.fresh() == 0) {
+          certified_.insert(certified_.end(), facet, facet + dim());
+        }
+      }
+    } while (region_.fresh() > 0);
+    return true;
+  }
+
+  /// Whether this facet's corner was found to be nearer to no sample before.
+  bool is_certified(const Index* facet) const {
+    for (std::size_t i = 0; i < certified_.size(); i += dim()) {
+      if (std::is_permutation(facet, facet + dim(),
+                              certified_.begin() + static_cast<Offset>(i))) {
+        return true;
+      }
+    }
+    return false;
+  }
+
+  /// Adds samples nearer to the corner than x until one is new or none is left.
+  bool cut_corner(const Corner& corner) {
+    const int ambient_dim = samples_.ambient_dim();
+    if (tangents_.bases.empty()) {
+      return false;
+    }
+    using Frame =
+        Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    const Eigen::Map<const Frame> frame(
+        tangents_.bases.data() + static_cast<std::size_t>(x_) * dim() * ambient_dim,
+        dim(), ambient_dim);
+    position_ = Eigen::Map<const Eigen::VectorXd>(samples_.point(x_), ambient_dim) +
+                frame.transpose() * corner.position;
+    const double squared_radius =
+        (1 + 4 * corner.error) * corner.length * corner.length + largest_weight_;
+    const int fresh_before = region_.fresh();
+    for (; corner_count_ <= max_corner_count_; corner_count_ *= 2) {
+      const Offset count = std::min<Offset>(corner_count_, samples_.size());
+      if (!nearest_to_position(static_cast<Index>(count), squared_radius)) {
+        return false;
+      }
+      neighbors_used_ += static_cast<Offset>(grown_.size());
+      for (const Neighbor& neighbor : grown_) {
+        if (neighbor.index != x_ && seen_[neighbor.index] != x_) {
+          seen_[neighbor.index] = x_;
+          Vector normal(dim());
+          const double squared_distance = measure(neighbor.index, normal);
+          add_halfspace(neighbor.index, squared_distance, normal);
+        }
+      }
+      if (static_cast<Offset>(grown_.size()) < count || count == samples_.size()) {
+        return true;
+      }
+      if (region_.fresh() > fresh_before) {
+        corner_count_ *= 2;  // where many are as far as x, a few at a time lead nowhere
+        return true;
+      }
+    }
+    return false;
+  }
+
+  void nearest(Index count) {
+    const detail::Timed timed(coordinate_seconds_);
+    query_->nearest(x_, count, region_.limit(), grown_);
+  }
+
+  bool nearest_to_position(Index count, double squared_radius) {
+    const detail::Timed timed(coordinate_seconds_);
+    return query_->nearest_to(position_.data(), count, squared_radius, grown_);
+  }
+
+  void scan_all() {
+    const Index n = samples_.size();
+    for (Index first = 0; first < n; first += kScanBlock) {
+      execution_.poll();
+      const Index last = std::min<Index>(n, first + kScanBlock);
+      list_.resize(last - first);
+      std::iota(list_.begin(), list_.end(), first);
+      measured_ = 0;
+      measure_list(list_.size());
+      for (std::size_t i = 0; i < list_.size(); ++i) {
+        if (list_[i] != x_ && squared_distances_[i] <= region_.limit()) {
+          add_halfspace(list_[i], squared_distances_[i],
+                        tangent_coordinates_.col(static_cast<Eigen::Index>(i)));
+          if (region_.fresh() == kScanBatch) {
+            region_.update();
+          }
+        }
+      }
+    }
+    region_.update();
+    neighbors_used_ += n - 1;
+  }
+
+  static constexpr int kPlainLoopDim = 16;
+
+  const Samples& samples_;
+  const Neighborhoods& neighborhoods_;
+  const TangentSpaces& tangents_;
+  const std::vector<double>& weights_;
+  const Execution& execution_;
+  int dim_;
+  detail::KnownDistances distances_;
+  std::unique_ptr<NeighborSearch::Query> query_;
+  std::size_t first_batch_;
+  Index ahead_;  // neighbors read ahead of each sample
+
+  Index x_ = 0;
+  std::vector<Index> list_;  // neighbors, nearest first
+  Eigen::Matrix<double, K, Eigen::Dynamic> tangent_coordinates_;
+  std::vector<double> squared_distances_;
+  std::size_t measured_ = 0;  // so many of the list have coordinates and distance
+  Index ahead_begin_ = 0;
+  Eigen::Matrix<double, K, Eigen::Dynamic> ahead_coordinates_;
+  std::vector<double> ahead_distances_;
+  std::vector<Neighbor> grown_;
+  std::vector<Index> seen_;  // by certify_corners: the last x each sample was added to
+  std::vector<Index> certified_;  // facets, K ids each
+  Offset corner_count_ = 0;       // samples asked for around a corner
+  double largest_weight_;
+  Offset max_corner_count_;
+  Eigen::VectorXd difference_;
+  Index frame_of_ = -1;
+  detail::RowMatrix frame_;  // of that sample, where tangent spaces have coefficients
+  Eigen::VectorXd position_;
+
+  Region region_;
+  Offset neighbors_used_ = 0;
+  Offset vacuous_constraints_ = 0;
+  double coordinate_seconds_ = 0;
+};
+
+/// What one block of samples found, to be joined in order.
+struct Block {
+  std::vector<Index> edge_sets;
+  std::vector<Index> stars;
+};
+
+template <int K>
+void compute_all(const Samples& samples, const NeighborSearch& search,
+                 const Neighborhoods& neighborhoods, const TangentSpaces& tangents,
+                 const Execution& execution, LocalRegions& result) {
+  using Kernel = RegionKernel<K>;
+  std::vector<double> weights;
+  {
+    const detail::Timed timed(result.coordinate_seconds);
+    weights = tie_weights(samples, neighborhoods);
+  }
+  detail::PerThread<Kernel> kernels([&] {
+    return Kernel(samples, search, neighborhoods, tangents, weights, execution);
+  });
+  const Offset n = samples.size();
+  const Offset block_length = block_size(result.dim);
+  std::vector<Block> blocks((n + block_length - 1) / block_length);
+  std::vector<Offset>& edge_counts = result.edge_sets.offsets;
+  std::vector<Offset>& star_counts = result.star_offsets;
+  edge_counts.assign(n + 1, 0);
+  star_counts.assign(n + 1, 0);
+  result.squared_radii.assign(n, std::numeric_limits<double>::quiet_NaN());
+
+  detail::for_each_block(n, block_length, execution, [&](Offset begin, Offset end) {
+    Kernel& kernel = kernels.local();
+    Block& block = blocks[begin / block_length];
+    for (Offset i = begin; i < end; ++i) {
+      execution.poll();
+      if ((i - begin) % kGroup == 0) {
+        kernel.read_ahead(static_cast<Index>(i),
+                          static_cast<Index>(std::min(end, i + kGroup)));
+      }
+      if (tangents.boundary[i] != 0) {
+        continue;
+      }
+      kernel.compute(static_cast<Index>(i));
+      const std::size_t before = block.edge_sets.size();
+      kernel.region().append_edge_set(block.edge_sets);
+      std::sort(block.edge_sets.begin() + static_cast<Offset>(before),
+                block.edge_sets.end());
+      edge_counts[i + 1] = static_cast<Offset>(block.edge_sets.size() - before);
+      star_counts[i + 1] = kernel.region().append_star(block.stars);
+      result.squared_radii[i] = kernel.region().squared_radius();
+    }
+  });
+  for (const Kernel& kernel : kernels) {
+    result.neighbors_used += kernel.neighbors_used();
+    result.vacuous_constraints += kernel.vacuous_constraints();
+    result.coordinate_seconds += kernel.coordinate_seconds();
+  }
+  std::partial_sum(edge_counts.begin(), edge_counts.end(), edge_counts.begin());
+  std::partial_sum(star_counts.begin(), star_counts.end(), star_counts.begin());
+  result.edge_sets.indices.resize(edge_counts.back());
+  result.stars.resize(star_counts.back() * result.dim);
+  const auto join = [&](Offset begin, Offset end) {
+    for (Offset b = begin; b < end; ++b) {
+      const Offset first = b * block_length;
+      std::copy(blocks[b].edge_sets.begin(), blocks[b].edge_sets.end(),
+                result.edge_sets.indices.begin() + edge_counts[first]);
+      std::copy(blocks[b].stars.begin(), blocks[b].stars.end(),
+                result.stars.begin() + star_counts[first] * result.dim);
+      blocks[b] = {};
+    }
+  };
+  detail::for_each_block_uncounted(static_cast<Offset>(blocks.size()), 64, execution,
+                                   join);
+}
+
+}  // namespace
+
+Index certifying_count(int dim, const NeighborSearch& search) {
+  constexpr Index generous = 4;
+  return typical_count(dim) * (search.query()->looks_at_all() ? generous : 1);
+}
+
+std::vector<double> tie_weights(const Samples& samples,
+                                const Neighborhoods& neighborhoods) {
+  std::vector<double> weights(samples.size(), 0.0);
+  if (neighborhoods.count == 0) {
+    return weights;
+  }
+  for (Index i = 0; i < samples.size(); ++i) {
+    weights[i] = detail::kTieWeight *
+                 detail::KnownDistances(samples, neighborhoods).nearest(i) *
+                 hash_to_unit(static_cast<std::uint64_t>(samples.input_index(i)));
+  }
+  return weights;
+}
+
+LocalRegions compute_local_regions(const Samples& samples, const NeighborSearch& search,
+                                   const Neighborhoods& neighborhoods,
+                                   const TangentSpaces& tangents,
+                                   const Execution& execution) {
+  LocalRegions result;
+  result.dim = tangents.dim;
+  detail::begin_step(execution, Step::kLocalRegions, samples.size());
+  detail::dispatch_dim(tangents.dim, [&](auto k) {
+    compute_all<decltype(k)::value>(samples, search, neighborhoods, tangents, execution,
+                                    result);
+  });
+  return result;
+}
+
+}  // namespace remanifold

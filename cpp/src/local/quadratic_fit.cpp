@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "local/quadratic_fit.hpp"
+
+#include "base/tolerance.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <vector>
+
+namespace remanifold::detail {
+namespace {
+
+/// Coordinates from which on the leading directions are iterated for instead of all.
+constexpr Eigen::Index kManyCoordinates = 24;
+constexpr int kIterations = 12;
+/// Directions beyond the K wanted ones that are carried along: what mixes with them does
+/// not matter.
+constexpr Eigen::Index kSpareDirections = 4;
+/// Pivots of the normal matrix below this are rounding.
+constexpr double kSingular = 1e-10;
+/// How far beyond the fitted rows, in units of their radius, the quadric is followed.
+constexpr double kFarthest = 1.5;
+/// A row that alone determines the quadric there says nothing about itself.
+constexpr double kLeastFreedom = 1e-3;
+
+/// The leading right singular vectors, in columns, the largest last, and the squares of
+/// their singular values.
+Eigen::MatrixXd leading_directions(const Eigen::MatrixXd& rows, Eigen::Index count,
+                                   Eigen::VectorXd& squares) {
+  const Eigen::Index size = rows.cols();
+  if (size < kManyCoordinates) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(rows.transpose() * rows);
+    squares = eigen.eigenvalues().tail(count);
+    return eigen.eigenvectors().rightCols(count);
+  }
+  // Starts from the axes that vary most.
+  const Eigen::Index carried = std::min(size, count + kSpareDirections);
+  const Eigen::VectorXd variation = rows.colwise().squaredNorm();
+  std::vector<Eigen::Index> axes(size);
+  std::iota(axes.begin(), axes.end(), 0);
+  std::partial_sort(axes.begin(), axes.begin() + carried, axes.end(),
+                    [&](Eigen::Index a, Eigen::Index b) {
+                      return variation[a] != variation[b] ? variation[a] > variation[b]
+                                                          : a < b;
+                    });
+  Eigen::MatrixXd images(rows.rows(), carried);
+  for (Eigen::Index i = 0; i < carried; ++i) {
+    images.col(i) = rows.col(axes[i]);
+  }
+  Eigen::MatrixXd directions;
+  for (int step = 0; step < kIterations; ++step) {
+    const Eigen::HouseholderQR<Eigen::MatrixXd> factors(rows.transpose() * images);
+    directions = factors.householderQ() * Eigen::MatrixXd::Identity(size, carried);
+    images.noalias() = rows * directions;
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(images.transpose() *
+                                                             images);
+  squares = eigen.eigenvalues().tail(count);
+  return directions * eigen.eigenvectors().rightCols(count);
+}
+
+}  // namespace
+
+bool QuadraticFit::fit(const RowMatrix& vectors, const Eigen::VectorXd& weights) {
+  vectors_ = &vectors;
+  weights_ = &weights;
+  if (!find_principal()) {
+    return false;
+  }
+  solve_design();
+  if (num_unknowns_ > 1) {
+    RowMatrix tilted = coefficients_.middleRows(1, dim_);
+    if (orthonormalize(tilted)) {
+      frame_ = tilted;
+      solve_design();
+    }
+  }
+  return true;
+}
+
+bool QuadraticFit::find_principal() {
+  const RowMatrix& vectors = *vectors_;
+  const Eigen::VectorXd& weights = *weights_;
+  if (vectors.cols() < dim_) {
+    return false;
+  }
+  const double total = weights.sum();
+  const Eigen::RowVectorXd mean = weights.transpose() * vectors / total;
+  const Eigen::MatrixXd centered =
+      weights.cwiseSqrt().asDiagonal() * (vectors.rowwise() - mean);
+  Eigen::VectorXd squares;
+  const Eigen::MatrixXd directions = leading_directions(centered, dim_, squares);
+  if (!(squares[0] > kDependentSquaredSine * squares[dim_ - 1])) {
+    return false;
+  }
+  frame_ = directions.transpose();
+  return true;
+}
+
+void QuadraticFit::solve_design() {
+  fill_design();
+  for (const int candidate : {unknowns(dim_), 1 + dim_, 1}) {
+    if (decompose(candidate)) {
+      break;
+    }
+  }
+  coefficients_ =
+      factors_.solve(weighted_.leftCols(num_unknowns_).transpose() * *vectors_);
+}
+
+void QuadraticFit::fill_design() {
+  const Eigen::Index rows = vectors_->rows();
+  tangent_.noalias() = *vectors_ * frame_.transpose();
+  radius_ = 0;
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    if ((*weights_)[i] > 0) {
+      radius_ = std::max(radius_, tangent_.row(i).squaredNorm());
+    }
+  }
+  radius_ = radius_ > 0 ? std::sqrt(radius_) : 1;
+  tangent_ /= radius_;
+  design_.resize(rows, unknowns(dim_));
+  design_.col(0).setOnes();
+  design_.middleCols(1, dim_) = tangent_;
+  int column = 1 + dim_;
+  for (int i = 0; i < dim_; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      design_.col(column++) = tangent_.col(i).cwiseProduct(tangent_.col(j));
+    }
+  }
+  weighted_ = weights_->asDiagonal() * design_;
+}
+
+bool QuadraticFit::decompose(int num_unknowns) {
+  num_unknowns_ = num_unknowns;
+  const auto fitted = (weights_->array() > 0).count();
+  if (num_unknowns > 1 && fitted < num_unknowns) {
+    return false;
+  }
+  const Eigen::MatrixXd normal =
+      design_.leftCols(num_unknowns).transpose() * weighted_.leftCols(num_unknowns);
+  factors_.compute(normal);
+  if (factors_.info() != Eigen::Success) {
+    return num_unknowns == 1;
+  }
+  const auto pivots = factors_.matrixLLT().diagonal().array();
+  return num_unknowns == 1 ||
+         pivots.minCoeff() * pivots.minCoeff() > kSingular * normal(0, 0);
+}
+
+void QuadraticFit::predict(Eigen::Index row, Eigen::VectorXd& combination) {
+  terms_ = factors_.solve(design_.row(row).head(num_unknowns_).transpose());
+  combination.noalias() = weighted_.leftCols(num_unknowns_) * terms_;
+}
+
+void QuadraticFit::tangent_terms(Eigen::Index row, double most,
+                                 Eigen::VectorXd& terms) const {
+  terms = design_.row(row).head(num_unknowns_).transpose();
+  const double length = tangent_.row(row).norm();
+  if (length > most) {
+    const double factor = most / length;
+    for (Eigen::Index i = 1; i < terms.size(); ++i) {
+      terms[i] *= i <= dim_ ? factor : factor * factor;
+    }
+  }
+}
+
+double QuadraticFit::distance_without(Eigen::Index row) {
+  Eigen::VectorXd terms;
+  tangent_terms(row, kFarthest, terms);
+  residual_ = vectors_->row(row).transpose() - coefficients_.transpose() * terms;
+  residual_ -= frame_.transpose() * (frame_ * residual_);
+  terms_ = factors_.solve(terms);
+  const double leverage = (*weights_)[row] * terms.dot(terms_);
+  return residual_.norm() / std::max(1 - leverage, kLeastFreedom);
+}
+
+double QuadraticFit::variance() const {
+  Eigen::MatrixXd residuals =
+      *vectors_ - design_.leftCols(num_unknowns_) * coefficients_;
+  residuals -= (residuals * frame_.transpose()) * frame_;
+  const double sum =
+      (weights_->transpose() * residuals.rowwise().squaredNorm()).value();
+  const auto fitted = static_cast<double>((weights_->array() > 0).count());
+  const double freedom = weights_->sum() * (1 - num_unknowns_ / fitted);
+  return freedom > 0 ? sum / freedom : std::numeric_limits<double>::quiet_NaN();
+}
+
+}  // namespace remanifold::detail

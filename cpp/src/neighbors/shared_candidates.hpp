@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Neighbors of a few samples that lie close together, out of one ball that holds those of
+// all of them: samples next to each other on the Morton curve have most neighbors in
+// common, and one search of the tree serves them all. A member's neighbors are certain
+// where they end before the ball does.
+#pragma once
+
+#include "neighbors/neighbor_search.hpp"
+#include "remanifold/samples.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace remanifold::detail {
+
+class SharedCandidates {
+ public:
+  explicit SharedCandidates(const Samples& samples)
+      : samples_(samples),
+        order_(samples),
+        low_(samples.ambient_dim()),
+        high_(samples.ambient_dim()),
+        center_(samples.ambient_dim()),
+        coordinates_(samples.ambient_dim()) {}
+
+  /// The samples that follow will belong to the same stretch of the data.
+  void begin() {
+    last_ = first_ = 0;
+    reach_ = 0;
+    crowded_ = false;
+  }
+  /// Tells how far the neighbors of a sample reach.
+  void observe(double squared_reach) {
+    const double reach = std::sqrt(squared_reach);
+    reach_ = reach_ > 0 ? reach_ + kAdapt * (reach - reach_) : reach;
+  }
+
+  bool contains(Index x) const { return x >= first_ && x < last_; }
+
+  /// Makes samples from x on the members, as many before `end` as lie close together.
+  /// \returns false where that is x alone, or nothing is known of their neighbors
+  bool gather(Index x, Index end, Index count) {
+    first_ = last_ = x;
+    if (!(reach_ > 0) || crowded_) {
+      return false;
+    }
+    most_ = kMostPerNeighbor * static_cast<std::size_t>(count);
+    const auto dim = low_.size();
+    const double most = kMaxSpread * reach_;
+    end = std::min(end, x + kMaxMembers);
+    for (; last_ < end; ++last_) {
+      const double* p = samples_.point(last_);
+      double squared_spread = 0;
+      for (std::size_t j = 0; j < dim; ++j) {
+        const double low = last_ == x ? p[j] : std::min(low_[j], p[j]);
+        const double high = last_ == x ? p[j] : std::max(high_[j], p[j]);
+        squared_spread += (high - low) * (high - low);
+      }
+      if (squared_spread > 4 * most * most) {
+        break;
+      }
+      for (std::size_t j = 0; j < dim; ++j) {
+        low_[j] = last_ == x ? p[j] : std::min(low_[j], p[j]);
+        high_[j] = last_ == x ? p[j] : std::max(high_[j], p[j]);
+      }
+    }
+    if (last_ - first_ < 2) {
+      last_ = first_;
+      return false;
+    }
+    double squared_spread = 0;
+    for (std::size_t j = 0; j < dim; ++j) {
+      center_[j] = (low_[j] + high_[j]) / 2;
+      squared_spread += (high_[j] - center_[j]) * (high_[j] - center_[j]);
+    }
+    radius_ = std::sqrt(squared_spread) + kMargin * reach_;
+    candidates_.clear();
+    for (std::vector<double>& axis : coordinates_) {
+      axis.clear();
+    }
+    return true;
+  }
+
+  /// The ball to be searched, after gather().
+  const double* center() const { return center_.data(); }
+  double squared_radius() const { return radius_ * radius_; }
+  /// \returns false where the ball holds too many to be of use: where it reaches from few
+  /// samples into many, or has too many dimensions. Nothing is shared then until begin().
+  bool add(Index sample) {
+    if (candidates_.size() == most_) {
+      crowded_ = true;
+      last_ = first_;
+      return false;
+    }
+    candidates_.push_back(sample);
+    const double* p = samples_.point(sample);
+    for (std::size_t j = 0; j < coordinates_.size(); ++j) {
+      coordinates_[j].push_back(p[j]);
+    }
+    return true;
+  }
+
+  /// The `count` nearest others of a member, in order.
+  /// \returns false where the ball is too small to be sure of them
+  bool nearest(Index x, Index count, std::vector<Neighbor>& out) {
+    out.clear();
+    const double* p = samples_.point(x);
+    double squared_offset = 0;
+    for (std::size_t j = 0; j < center_.size(); ++j) {
+      squared_offset += (p[j] - center_[j]) * (p[j] - center_[j]);
+    }
+    const double certain = radius_ * (1 - 1e-9) - std::sqrt(squared_offset);
+    if (!(certain > 0)) {
+      return false;
+    }
+    measure(p);
+    const double likely = kLikely * reach_;
+    if (likely < certain && select(x, count, likely * likely, out)) {
+      return true;
+    }
+    return select(x, count, certain * certain, out);
+  }
+
+ private:
+  static constexpr Index kMaxMembers = 12;
+  static constexpr double kMaxSpread = 1.2;  // of the members, in units of the reach
+  static constexpr double kMargin = 1.25;    // of the ball beyond the members, likewise
+  static constexpr double kLikely = 1.2;     // reach of most members, likewise
+  static constexpr double kAdapt = 0.125;
+  static constexpr std::size_t kMostPerNeighbor = 20;
+  static constexpr std::size_t kLanes = 4;
+
+  /// As detail::squared_distance() sums in few coordinates.
+  void measure(const double* p) {
+    const std::size_t n = candidates_.size();
+    squared_distances_.assign(n, 0.0);
+    double* sums = squared_distances_.data();
+    for (std::size_t j = 0; j < coordinates_.size(); ++j) {
+      const double* axis = coordinates_[j].data();
+      const double position = p[j];
+      for (std::size_t i = 0; i < n; ++i) {
+        const double difference = position - axis[i];
+        sums[i] += difference * difference;
+      }
+    }
+  }
+
+  /// The `count` nearest of those no farther than the limit, where there are so many.
+  bool select(Index x, Index count, double limit, std::vector<Neighbor>& out) {
+    const std::size_t n = candidates_.size();
+    out.resize(n + 1);
+    std::size_t found = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      out[found] = {squared_distances_[i], candidates_[i]};
+      found += static_cast<std::size_t>((squared_distances_[i] <= limit) &
+                                        (candidates_[i] != x));
+    }
+    out.resize(found);
+    if (static_cast<Index>(found) < count) {
+      return false;
+    }
+    sort(out);
+    out.resize(count);
+    return true;
+  }
+
+  /// By rank: so few are sorted fastest without a branch that nobody can predict. Ranks
+  /// by rounded distances leave little to the exact order.
+  void sort(std::vector<Neighbor>& list) {
+    const std::size_t n = list.size();
+    const std::size_t padded = (n + kLanes - 1) / kLanes * kLanes;
+    keys_.assign(padded, std::numeric_limits<float>::infinity());
+    for (std::size_t i = 0; i < n; ++i) {
+      keys_[i] = static_cast<float>(list[i].squared_distance);
+    }
+    sorted_.assign(n, {0.0, -1});
+    bool distinct = true;
+    for (std::size_t i = 0; i < n; ++i) {
+      std::int32_t lanes[kLanes] = {};
+      for (std::size_t j = 0; j < padded; j += kLanes) {
+        for (std::size_t lane = 0; lane < kLanes; ++lane) {
+          lanes[lane] -= keys_[j + lane] < keys_[i] ? -1 : 0;
+        }
+      }
+      const std::int32_t rank = (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]);
+      distinct = distinct && sorted_[rank].index < 0;
+      sorted_[rank] = list[i];
+    }
+    if (distinct) {
+      list.swap(sorted_);
+    }
+    for (std::size_t i = 1; i < n; ++i) {
+      const Neighbor candidate = list[i];
+      std::size_t j = i;
+      for (; j > 0 && order_(candidate, list[j - 1]); --j) {
+        list[j] = list[j - 1];
+      }
+      list[j] = candidate;
+    }
+  }
+
+  const Samples& samples_;
+  NeighborOrder order_;
+  Index first_ = 0;
+  Index last_ = 0;
+  double reach_ = 0;  // of neighborhoods, as seen lately
+  double radius_ = 0;
+  std::size_t most_ = 0;  // candidates
+  bool crowded_ = false;
+  std::vector<double> low_;
+  std::vector<double> high_;
+  std::vector<double> center_;
+  std::vector<Index> candidates_;
+  std::vector<std::vector<double>> coordinates_;  // of the candidates, axis by axis
+  std::vector<double> squared_distances_;
+  std::vector<float> keys_;
+  std::vector<Neighbor> sorted_;
+};
+
+}  // namespace remanifold::detail

@@ -1,0 +1,677 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "remanifold/sampling_quality.hpp"
+
+#include "base/dispatch.hpp"
+#include "base/parallel.hpp"
+#include "local/frame_fit.hpp"
+#include "local/local_coordinates.hpp"
+#include "remanifold/facets.hpp"
+#include "remanifold/simplex_measures.hpp"
+#include "remanifold/tangent_space.hpp"
+#include "samples/known_distances.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace remanifold {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kPi = 3.14159265358979323846;
+constexpr Offset kBlock = 1024;
+constexpr Offset kGroup = 64;
+constexpr int kMaxDim = 16;
+/// Neighbors nearer than this times h tell of noise rather than of the reach.
+constexpr double kNearest = 0.75;
+/// Folds count where both sides are at least this times h high: needles fold anywhere.
+constexpr double kLeastHeight = 0.3;
+/// Cosine at the facet below which that is not looked at: folds of less than 60 degrees.
+constexpr double kAlmostFlat = -0.5;
+/// A simplex lies in an empty ball, not beside one, where no barycentric coordinate of its
+/// circumcenter is below this.
+constexpr double kOutside = -0.1;
+/// Samples nearer than h are joined by so many edges where the result is fine. On curves h
+/// spans ten neighbors.
+constexpr int hops(int dim) { return dim == 1 ? 12 : 3; }
+
+using Small =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxDim, kMaxDim>;
+using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxDim, 1>;
+
+/// Rows of values that belong to vertices.
+struct Ragged {
+  std::vector<Offset> offsets;
+  std::vector<Offset> values;
+
+  const Offset* begin(Index v) const { return values.data() + offsets[v]; }
+  const Offset* end(Index v) const { return values.data() + offsets[v + 1]; }
+};
+
+/// The simplices at each vertex, in order.
+Ragged stars_of(const SimplexArray& simplices, Index num_vertices) {
+  Ragged result;
+  result.offsets.assign(static_cast<std::size_t>(num_vertices) + 1, 0);
+  for (const Index v : simplices.vertices) {
+    ++result.offsets[v + 1];
+  }
+  std::partial_sum(result.offsets.begin(), result.offsets.end(),
+                   result.offsets.begin());
+  result.values.resize(simplices.vertices.size());
+  std::vector<Offset> next(result.offsets.begin(), result.offsets.end() - 1);
+  for (std::size_t i = 0; i < simplices.vertices.size(); ++i) {
+    result.values[next[simplices.vertices[i]]++] =
+        static_cast<Offset>(i) / simplices.arity;
+  }
+  return result;
+}
+
+/// Input numbers to canonical ones, columns ascending.
+SimplexArray to_canonical(const Samples& samples, const SimplexArray& simplices) {
+  const std::vector<Index> canonical = samples.canonical_indices();
+  SimplexArray result = simplices;
+  for (Index& v : result.vertices) {
+    v = canonical[v];
+  }
+  for (Offset s = 0; s < result.size(); ++s) {
+    const auto row = result.vertices.begin() + s * result.arity;
+    std::sort(row, row + result.arity);
+  }
+  return result;
+}
+
+/// A quadratic fit of normal vectors over tangent coordinates. Products are lazy: the
+/// matrices are small.
+template <int K, int D>
+class Quadric {
+ public:
+  static constexpr int kUnknowns =
+      K == Eigen::Dynamic ? Eigen::Dynamic : 1 + K + K * (K + 1) / 2;
+
+  explicit Quadric(int dim) : dim_(dim), unknowns_(1 + dim + dim * (dim + 1) / 2) {}
+
+  int unknowns() const { return unknowns_; }
+
+  /// \param tangents  m x K
+  /// \param normals   m x r
+  /// \returns the root mean square distance from the fit of the first `count` rows; NaN
+  ///          where they are too few or lie badly
+  template <class Tangents, class Normals>
+  double fit(const Tangents& tangents, const Normals& normals, Eigen::Index count) {
+    if (count <= unknowns_) {
+      return kNaN;
+    }
+    size_ = std::sqrt(tangents.topRows(count).rowwise().squaredNorm().maxCoeff());
+    if (!(size_ > 0)) {
+      return kNaN;
+    }
+    design_.resize(count, unknowns_);
+    design_.col(0).setOnes();
+    int column = 1;
+    for (int i = 0; i < dim_; ++i) {
+      design_.col(column++) = tangents.col(i).head(count) / size_;
+    }
+    for (int i = 0; i < dim_; ++i) {
+      for (int j = 0; j <= i; ++j) {
+        design_.col(column++) = design_.col(1 + i).cwiseProduct(design_.col(1 + j));
+      }
+    }
+    gram_.resize(unknowns_, unknowns_);
+    right_.resize(unknowns_, normals.cols());
+    for (int i = 0; i < unknowns_; ++i) {
+      for (int j = 0; j <= i; ++j) {
+        gram_(i, j) = gram_(j, i) = design_.col(i).dot(design_.col(j));
+      }
+      for (Eigen::Index axis = 0; axis < normals.cols(); ++axis) {
+        right_(i, axis) = design_.col(i).dot(normals.col(axis).head(count));
+      }
+    }
+    solver_.compute(gram_);
+    const auto pivots = solver_.vectorD();
+    if (!(pivots.minCoeff() > kFlatDesign * pivots.maxCoeff())) {
+      return kNaN;
+    }
+    solution_ = solver_.solve(right_);
+    double rest = 0;
+    for (Eigen::Index axis = 0; axis < normals.cols(); ++axis) {
+      residual_ = normals.col(axis).head(count);
+      for (int i = 0; i < unknowns_; ++i) {
+        residual_ -= solution_(i, axis) * design_.col(i);
+      }
+      rest += residual_.squaredNorm();
+    }
+    return std::sqrt(rest / static_cast<double>(count - unknowns_));
+  }
+
+  /// The largest norm of II(u, .) over unit vectors u, of the last fit.
+  double curvature() const {
+    Square products = Square::Zero(dim_, dim_);
+    const auto row_of = [&](int i, int j) {
+      const int high = std::max(i, j);
+      return 1 + dim_ + high * (high + 1) / 2 + std::min(i, j);
+    };
+    for (int i = 0; i < dim_; ++i) {
+      for (int j = 0; j <= i; ++j) {
+        double sum = 0;
+        for (int k = 0; k < dim_; ++k) {
+          const double times = (i == k ? 2.0 : 1.0) * (j == k ? 2.0 : 1.0);
+          sum += times * solution_.row(row_of(i, k)).dot(solution_.row(row_of(j, k)));
+        }
+        products(i, j) = products(j, i) = sum;
+      }
+    }
+    const double largest = dim_ == 1 ? products(0, 0)
+                                     : Eigen::SelfAdjointEigenSolver<Square>(
+                                           products, Eigen::EigenvaluesOnly)
+                                           .eigenvalues()
+                                           .maxCoeff();
+    return std::sqrt(std::max(0.0, largest)) / (size_ * size_);
+  }
+
+ private:
+  static constexpr double kFlatDesign = 1e-10;
+  using Square = Eigen::Matrix<double, K, K>;
+
+  int dim_;
+  int unknowns_;
+  double size_ = 0;
+  Eigen::Matrix<double, Eigen::Dynamic, kUnknowns> design_;
+  Eigen::Matrix<double, kUnknowns, kUnknowns> gram_;
+  Eigen::LDLT<Eigen::Matrix<double, kUnknowns, kUnknowns>> solver_;
+  Eigen::Matrix<double, kUnknowns, D> right_;
+  Eigen::Matrix<double, kUnknowns, D> solution_;
+  Eigen::VectorXd residual_;
+};
+
+/// The complex with what is looked up in it.
+struct Result {
+  SimplexArray simplices;
+  std::vector<FacetNumber> neighbors;
+  Ragged stars;
+  Csr adjacent;
+  std::vector<std::uint8_t> rim;
+};
+
+Csr adjacency_of(const SimplexArray& simplices, Index num_vertices) {
+  const SimplexArray edges = edges_of(simplices, num_vertices);
+  Csr result;
+  result.offsets.assign(static_cast<std::size_t>(num_vertices) + 1, 0);
+  for (const Index v : edges.vertices) {
+    ++result.offsets[v + 1];
+  }
+  std::partial_sum(result.offsets.begin(), result.offsets.end(),
+                   result.offsets.begin());
+  result.indices.resize(edges.vertices.size());
+  std::vector<Offset> next(result.offsets.begin(), result.offsets.end() - 1);
+  for (Offset e = 0; e < edges.size(); ++e) {
+    const Index a = edges[e][0];
+    const Index b = edges[e][1];
+    result.indices[next[a]++] = b;
+    result.indices[next[b]++] = a;
+  }
+  return result;
+}
+
+std::vector<std::uint8_t> rim_of(const SimplexArray& simplices,
+                                 const std::vector<FacetNumber>& neighbors,
+                                 Index num_vertices) {
+  const int arity = simplices.arity;
+  std::vector<std::uint8_t> rim(num_vertices, 0);
+  for (std::size_t f = 0; f < neighbors.size(); ++f) {
+    if (neighbors[f] == kOpen) {
+      const Offset s = static_cast<Offset>(f) / arity;
+      for (int i = 0; i < arity; ++i) {
+        if (i != static_cast<Offset>(f) % arity) {
+          rim[simplices[s][i]] = 2;
+        }
+      }
+    }
+  }
+  for (Offset s = 0; s < simplices.size(); ++s) {
+    const Index* simplex = simplices[s];
+    if (std::any_of(simplex, simplex + arity, [&](Index v) { return rim[v] == 2; })) {
+      for (int i = 0; i < arity; ++i) {
+        rim[simplex[i]] = std::max<std::uint8_t>(rim[simplex[i]], 1);
+      }
+    }
+  }
+  return rim;
+}
+
+/// Everything about one sample that needs its neighborhood. One for each thread.
+template <int K, int D>
+class QualityKernel {
+ public:
+  QualityKernel(const Samples& samples, const Neighborhoods& neighborhoods,
+                const std::vector<double>& scales, const Result& result, int dim,
+                Index narrow)
+      : samples_(samples),
+        neighborhoods_(neighborhoods),
+        scales_(scales),
+        result_(result),
+        dim_(dim),
+        narrow_(std::min(narrow, neighborhoods.count)),
+        distances_(samples, neighborhoods),
+        frame_fit_(dim),
+        quadric_(dim),
+        seen_(samples.size(), -1) {}
+
+  void measure(Index x, SamplingQuality& out) {
+    find_strange(x, out);
+    list_.assign(neighborhoods_.of(x), neighborhoods_.of(x) + neighborhoods_.count);
+    const auto wide = static_cast<Eigen::Index>(list_.size());
+    for (Offset i = result_.adjacent.offsets[x]; i < result_.adjacent.offsets[x + 1];
+         ++i) {
+      const Index v = result_.adjacent.indices[i];
+      if (std::find(list_.begin(), list_.begin() + wide, v) == list_.begin() + wide) {
+        list_.push_back(v);
+      }
+    }
+    out.scatter[x] = out.wide_scatter[x] = out.curvature[x] = out.reach[x] = kNaN;
+    out.tangent_share[x] = 0;
+    if (narrow_ == 0 || !find_frame(x)) {
+      return;
+    }
+    const auto& frame = frame_fit_.frame();
+    tangents_ = vectors_.lazyProduct(frame.transpose());
+    normals_ = vectors_;
+    normals_ -= tangents_.lazyProduct(frame);
+    out.scatter[x] = quadric_.fit(tangents_, normals_, narrow_);
+    out.wide_scatter[x] = quadric_.fit(tangents_, normals_, wide);
+    if (!std::isnan(out.wide_scatter[x])) {
+      out.curvature[x] = quadric_.curvature();
+    }
+    double inverse = 0;
+    for (Eigen::Index i = 0; i < wide; ++i) {
+      const double squared = vectors_.row(i).squaredNorm();
+      if (squared >= kNearest * kNearest * scales_[x] * scales_[x]) {
+        inverse = std::max(inverse, 2 * normals_.row(i).norm() / squared);
+      }
+    }
+    // Rounding is not curvature.
+    out.reach[x] = inverse * scales_[x] > kFlat ? 1 / inverse : kInfinity;
+    out.tangent_share[x] = share_of_star(x);
+  }
+
+ private:
+  static constexpr double kFlat = 1e-7;
+  using Vectors = Eigen::Matrix<double, Eigen::Dynamic, D>;
+  using Square = Eigen::Matrix<double, K, K>;
+
+  bool find_frame(Index x) {
+    const auto count = static_cast<Index>(list_.size());
+    if constexpr (D == Eigen::Dynamic) {
+      if (distances_.pay() && samples_.ambient_dim() > count) {
+        coordinates_.load(distances_, x, list_.data(), count);
+      } else {
+        coordinates_.load(samples_, x, list_.data(), count);
+      }
+      vectors_ = coordinates_.vectors();
+    } else {
+      vectors_.resize(count, D);
+      const double* px = samples_.point(x);
+      for (Index i = 0; i < count; ++i) {
+        const double* pq = samples_.point(list_[i]);
+        for (int axis = 0; axis < D; ++axis) {
+          vectors_(i, axis) = pq[axis] - px[axis];
+        }
+      }
+    }
+    frame_fit_.resize(narrow_, vectors_.cols());
+    for (Index i = 0; i < narrow_; ++i) {
+      for (Eigen::Index axis = 0; axis < vectors_.cols(); ++axis) {
+        frame_fit_.coordinate(i, axis) = vectors_(i, axis);
+      }
+    }
+    if (!frame_fit_.find_principal(true)) {
+      return false;
+    }
+    frame_fit_.refine();
+    frame_fit_.refine();
+    return true;
+  }
+
+  /// The nearest of the neighbors within h that is far along the result.
+  void find_strange(Index x, SamplingQuality& out) {
+    out.nearest_strange[x] = kInfinity;
+    const Csr& adjacent = result_.adjacent;
+    if (adjacent.size(x) == 0) {
+      return;
+    }
+    unreached_.clear();
+    for (Index k = 0; k < neighborhoods_.count; ++k) {
+      const Index q = neighborhoods_.of(x)[k];
+      const double squared = samples_.squared_distance(x, q);
+      if (squared >= scales_[x] * scales_[x]) {
+        break;
+      }
+      if (adjacent.size(q) > 0 && !within_two(x, q)) {
+        unreached_.push_back({squared, q});
+      }
+    }
+    if (unreached_.empty()) {
+      return;
+    }
+    front_.assign(1, x);
+    seen_[x] = x;
+    for (int hop = 0; hop < hops(dim_) && !front_.empty(); ++hop) {
+      next_.clear();
+      for (const Index v : front_) {
+        for (Offset i = adjacent.offsets[v]; i < adjacent.offsets[v + 1]; ++i) {
+          const Index w = adjacent.indices[i];
+          if (seen_[w] != x) {
+            seen_[w] = x;
+            next_.push_back(w);
+          }
+        }
+      }
+      front_.swap(next_);
+    }
+    for (const Neighbor& neighbor : unreached_) {
+      if (seen_[neighbor.index] != x) {
+        out.nearest_strange[x] = std::sqrt(neighbor.squared_distance);
+        return;
+      }
+    }
+  }
+
+  /// Whether two samples are joined by an edge or have a neighbor in common.
+  bool within_two(Index x, Index q) const {
+    const Csr& adjacent = result_.adjacent;
+    const Index* a = adjacent.begin(x);
+    const Index* b = adjacent.begin(q);
+    while (a != adjacent.end(x) && b != adjacent.end(q)) {
+      if (*a == *b || *a == q) {
+        return true;
+      }
+      (*a < *b ? a : b) += 1;
+    }
+    return std::find(a, adjacent.end(x), q) != adjacent.end(x);
+  }
+
+  /// Volume of the star on the tangent space over its own volume.
+  double share_of_star(Index x) {
+    double flat = 0;
+    double whole = 0;
+    const int arity = dim_ + 1;
+    Square edges(dim_, dim_);
+    rows_.resize(dim_, vectors_.cols());
+    for (const Offset* s = result_.stars.begin(x); s != result_.stars.end(x); ++s) {
+      const Index* simplex = result_.simplices[*s];
+      int row = 0;
+      for (int i = 0; i < arity; ++i) {
+        if (simplex[i] == x) {
+          continue;
+        }
+        const auto place = std::find(list_.begin(), list_.end(), simplex[i]);
+        const auto number = place - list_.begin();
+        edges.row(row) = tangents_.row(number);
+        rows_.row(row) = vectors_.row(number);
+        ++row;
+      }
+      const Square gram = rows_.lazyProduct(rows_.transpose());
+      flat += std::abs(edges.determinant());
+      whole += std::sqrt(std::max(0.0, gram.determinant()));
+    }
+    return whole > 0 ? std::min(1.0, flat / whole) : 0.0;
+  }
+
+  const Samples& samples_;
+  const Neighborhoods& neighborhoods_;
+  const std::vector<double>& scales_;
+  const Result& result_;
+  int dim_;
+  Index narrow_;
+  detail::KnownDistances distances_;
+  detail::LocalCoordinates coordinates_;
+  detail::FrameFit<K, D> frame_fit_;
+  Quadric<K, D> quadric_;
+  std::vector<Index> list_;
+  Vectors vectors_;
+  Eigen::Matrix<double, Eigen::Dynamic, K> tangents_;
+  Vectors normals_;
+  Eigen::Matrix<double, K, D> rows_;
+  std::vector<Neighbor> unreached_;
+  std::vector<Index> seen_;  // by whom last
+  std::vector<Index> front_;
+  std::vector<Index> next_;
+};
+
+/// Radius of the empty ball that a simplex lies in; 0 where it lies beside it.
+double empty_radius(const Samples& samples, const Index* simplex, int arity) {
+  const int dim = arity - 1;
+  if (dim == 2) {
+    const double a = samples.squared_distance(simplex[0], simplex[1]);
+    const double b = samples.squared_distance(simplex[0], simplex[2]);
+    const double c = samples.squared_distance(simplex[1], simplex[2]);
+    const double product = (a + b - c) / 2;
+    const double determinant = a * b - product * product;
+    // Barycentric coordinates times this.
+    const double whole = 2 * determinant;
+    const double least = std::min({c * (a + b - c), b * (a + c - b), a * (b + c - a)});
+    return determinant > 0 && least > kOutside * whole
+               ? std::sqrt(a * b * c / determinant) / 2
+               : 0;
+  }
+  Small gram(dim, dim);
+  SmallVector half(dim);
+  for (int i = 0; i < dim; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      gram(i, j) = gram(j, i) =
+          samples.inner_product(simplex[0], simplex[i + 1], simplex[j + 1]);
+    }
+    half[i] = gram(i, i) / 2;
+  }
+  const SmallVector weights = Eigen::LDLT<Small>(gram).solve(half);
+  const double least = std::min(weights.minCoeff(), 1 - weights.sum());
+  const double squared = weights.dot(half);
+  return least > kOutside && squared > 0 ? std::sqrt(squared) : 0;
+}
+
+/// The median of h over the wide neighborhood: at the rim of a hole h itself is too large,
+/// half of the neighbors are missing.
+std::vector<double> undisturbed_scales(const std::vector<double>& scales,
+                                       const Neighborhoods& neighborhoods,
+                                       const Execution& execution) {
+  std::vector<double> result(scales.size());
+  detail::for_each_block_uncounted(
+      static_cast<Offset>(scales.size()), kBlock, execution,
+      [&](Offset begin, Offset end) {
+        std::vector<double> near(neighborhoods.count + 1);
+        for (Offset i = begin; i < end; ++i) {
+          const auto x = static_cast<Index>(i);
+          near[0] = scales[x];
+          for (Index k = 0; k < neighborhoods.count; ++k) {
+            near[k + 1] = scales[neighborhoods.of(x)[k]];
+          }
+          const auto middle = near.begin() + static_cast<Offset>(near.size() / 2);
+          std::nth_element(near.begin(), middle, near.end());
+          result[x] = *middle;
+        }
+      });
+  return result;
+}
+
+/// Folds and gaps, by simplex first.
+class ShapeOfResult {
+ public:
+  ShapeOfResult(const Samples& samples, const std::vector<double>& scales,
+                const std::vector<double>& undisturbed, const Result& result,
+                const Execution& execution)
+      : result_(result),
+        arity_(result.simplices.arity),
+        gaps_(result.simplices.size(), 0),
+        folds_(result.neighbors.size(), 0) {
+    detail::for_each_block_uncounted(
+        result.simplices.size(), kBlock, execution, [&](Offset begin, Offset end) {
+          const SimplexRuler ruler(samples, scales);
+          std::vector<Index> facet(arity_);
+          for (Offset s = begin; s < end; ++s) {
+            const Index* simplex = result.simplices[s];
+            if (rim_at(simplex, arity_)) {
+              continue;
+            }
+            double scale = 0;
+            for (int i = 0; i < arity_; ++i) {
+              scale = std::max(scale, undisturbed[simplex[i]]);
+            }
+            gaps_[s] =
+                static_cast<float>(empty_radius(samples, simplex, arity_) / scale);
+            for (int i = 0; i < arity_; ++i) {
+              measure_fold(ruler, s * arity_ + i, facet.data());
+            }
+          }
+        });
+  }
+
+  void write(Index x, SamplingQuality& out) const {
+    double gap = 0;
+    double fold = 0;
+    for (const Offset* s = result_.stars.begin(x); s != result_.stars.end(x); ++s) {
+      gap = std::max<double>(gap, gaps_[*s]);
+      for (int i = 0; i < arity_; ++i) {
+        const FacetNumber f = *s * arity_ + i;
+        if (result_.simplices[*s][i] != x) {
+          fold = std::max<double>(fold, fold_of(f));
+        }
+      }
+    }
+    out.gap[x] = gap;
+    out.fold[x] = fold;
+  }
+
+ private:
+  bool rim_at(const Index* vertices, int count) const {
+    return std::any_of(vertices, vertices + count,
+                       [&](Index v) { return result_.rim[v] == 2; });
+  }
+
+  /// Kept with the lower of the two numbers of a facet.
+  double fold_of(FacetNumber f) const {
+    const FacetNumber other = result_.neighbors[f];
+    return other < 0 ? 0 : folds_[std::min(f, other)];
+  }
+
+  void measure_fold(const SimplexRuler& ruler, FacetNumber f, Index* facet) {
+    const FacetNumber other = result_.neighbors[f];
+    if (other <= f) {
+      return;
+    }
+    const Index* simplex = result_.simplices[f / arity_];
+    const Index* opposite = result_.simplices[other / arity_];
+    const Index apex = simplex[f % arity_];
+    const Index other_apex = opposite[other % arity_];
+    if (result_.rim[other_apex] == 2) {
+      return;
+    }
+    copy_facet(result_.simplices, f, facet);
+    const int dim = arity_ - 1;
+    const double cosine = ruler.fold(facet, dim, apex, other_apex);
+    if (cosine < kAlmostFlat) {
+      folds_[f] = static_cast<float>(std::acos(-cosine) * 180 / kPi);
+      return;
+    }
+    const double height = dim *
+                          std::min(ruler.measure(simplex, arity_).volume,
+                                   ruler.measure(opposite, arity_).volume) /
+                          ruler.measure(facet, dim).volume;
+    if (height >= kLeastHeight * ruler.scale(facet, dim)) {
+      folds_[f] = static_cast<float>(std::acos(-cosine) * 180 / kPi);
+    }
+  }
+
+  const Result& result_;
+  int arity_;
+  std::vector<float> gaps_;   // of simplices
+  std::vector<float> folds_;  // of facets
+};
+
+template <class T>
+void to_input(const std::vector<Index>& canonical, std::vector<T>& values,
+              double factor) {
+  std::vector<T> result(canonical.size());
+  for (std::size_t i = 0; i < canonical.size(); ++i) {
+    result[i] = static_cast<T>(values[canonical[i]] * factor);
+  }
+  values = std::move(result);
+}
+
+}  // namespace
+
+SamplingQuality measure_quality(const Samples& samples, const NeighborSearch& search,
+                                const SimplexArray& simplices,
+                                const QualityOptions& options,
+                                const Execution& execution) {
+  const Index n = samples.size();
+  const int dim = options.dim;
+  const Index narrow =
+      options.num_neighbors > 0 ? options.num_neighbors : jet_neighbors(dim);
+  const Neighborhoods neighborhoods =
+      find_neighborhoods(samples, search, 2 * narrow, execution);
+  const std::vector<double> scales =
+      local_scales(samples, neighborhoods, dim, execution);
+
+  Result result;
+  result.simplices = to_canonical(samples, simplices);
+  result.neighbors = facet_neighbors(result.simplices, n, execution);
+  result.stars = stars_of(result.simplices, n);
+  result.adjacent = adjacency_of(result.simplices, n);
+  result.rim = rim_of(result.simplices, result.neighbors, n);
+  const ShapeOfResult shape(samples, scales,
+                            undisturbed_scales(scales, neighborhoods, execution),
+                            result, execution);
+
+  SamplingQuality out;
+  for (std::vector<double>* values :
+       {&out.scatter, &out.wide_scatter, &out.curvature, &out.reach, &out.tangent_share,
+        &out.fold, &out.gap, &out.nearest_strange}) {
+    values->resize(n);
+  }
+  out.spacing = scales;
+  out.rim = result.rim;
+  const auto run = [&](auto k, auto d) {
+    using Kernel = QualityKernel<decltype(k)::value, decltype(d)::value>;
+    detail::PerThread<Kernel> kernels(
+        [&] { return Kernel(samples, neighborhoods, scales, result, dim, narrow); });
+    detail::for_each_block_uncounted(n, kGroup, execution,
+                                     [&](Offset begin, Offset end) {
+                                       Kernel& kernel = kernels.local();
+                                       for (Offset i = begin; i < end; ++i) {
+                                         const auto x = static_cast<Index>(i);
+                                         kernel.measure(x, out);
+                                         shape.write(x, out);
+                                       }
+                                     });
+  };
+  detail::dispatch_dim(dim, [&](auto k) {
+    if constexpr (k == 1 || k == 2) {
+      if (samples.has_points() && samples.ambient_dim() == 3) {
+        run(k, std::integral_constant<int, 3>());
+        return;
+      }
+    }
+    run(k, std::integral_constant<int, Eigen::Dynamic>());
+  });
+
+  const std::vector<Index> canonical = samples.canonical_indices();
+  const double scale = samples.scale();
+  for (std::vector<double>* lengths : {&out.spacing, &out.scatter, &out.wide_scatter,
+                                       &out.reach, &out.nearest_strange}) {
+    to_input(canonical, *lengths, scale);
+  }
+  to_input(canonical, out.curvature, 1 / scale);
+  for (std::vector<double>* ratios : {&out.tangent_share, &out.fold, &out.gap}) {
+    to_input(canonical, *ratios, 1.0);
+  }
+  to_input(canonical, out.rim, 1.0);
+  return out;
+}
+
+}  // namespace remanifold

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Parts of a complex as complexes of their own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from remanifold._base.validation import check_selection
+from remanifold.complex.simplicial_complex import SimplicialComplex
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Subcomplex(SimplicialComplex):
+    """Part of another complex, with the vertices that it uses only.
+
+    Attributes
+    ----------
+    vertices, simplices : ndarray
+        As in `SimplicialComplex`; there may be none.
+    vertex_indices : ndarray, shape (N,), int32
+        Number of each vertex in the complex that this is part of, ascending.
+    """
+
+    vertex_indices: NDArray[np.int32] = field(kw_only=True)
+
+    def __post_init__(self) -> None:
+        """Taken from a complex that was checked: nothing to check."""
+        super(SimplicialComplex, self).__post_init__()
+
+
+def take(whole: SimplicialComplex, simplices: NDArray[np.int32]) -> Subcomplex:
+    """The part of a complex that has these simplices."""
+    used = np.unique(simplices).astype(np.int32)
+    products = None
+    if whole._products is not None:
+        kind, matrix = whole._products
+        products = (kind, np.ascontiguousarray(matrix[np.ix_(used, used)]))
+    return Subcomplex(
+        vertices=None if whole.vertices is None else whole.vertices[used],
+        simplices=np.searchsorted(used, simplices).astype(np.int32),
+        _products=products,
+        vertex_indices=used,
+    )
+
+
+def subset(whole: SimplicialComplex, simplices: ArrayLike) -> Subcomplex:
+    """Some simplices, as `SimplicialComplex.subset` describes it."""
+    chosen = check_selection(simplices, "simplices", len(whole.simplices))
+    return take(whole, whole.simplices[chosen])
+
+
+def components(whole: SimplicialComplex) -> list[Subcomplex]:
+    """Connected components in the order of their labels."""
+    if len(whole.simplices) == 0:
+        return []
+    own = whole.component_labels()[whole.simplices[:, 0]]
+    order = np.argsort(own, kind="stable")
+    ends = np.cumsum(np.bincount(own))[:-1]
+    return [take(whole, whole.simplices[rows]) for rows in np.split(order, ends)]
+
+
+def boundary_complex(whole: SimplicialComplex) -> Subcomplex:
+    """Faces in one simplex, as `SimplicialComplex.boundary_complex` describes it."""
+    if whole.dim == 0:
+        msg = "a complex of points has no boundary"
+        raise ValueError(msg)
+    return take(whole, open_faces(whole.simplices))
+
+
+def open_faces(simplices: NDArray[np.int32]) -> NDArray[np.int32]:
+    """Faces in one simplex only, in the order of their sorted vertices."""
+    faces = _faces(simplices)
+    ascending = np.sort(faces, axis=1)
+    order = np.lexsort(ascending.T[::-1])
+    ascending = ascending[order]
+    other = np.ones(len(faces) + 1, dtype=bool)
+    other[1:-1] = (ascending[1:] != ascending[:-1]).any(axis=1)
+    return np.asarray(faces[order[other[1:] & other[:-1]]])
+
+
+def _faces(simplices: NDArray[np.int32]) -> NDArray[np.int32]:
+    """All (K-1)-faces, with the orientation that the simplices induce."""
+    columns = simplices.shape[1]
+    faces = []
+    for left_out in range(columns):
+        face = np.delete(simplices, left_out, axis=1)
+        if left_out % 2 and columns > 2:
+            face[:, -2:] = face[:, :-3:-1].copy()
+        faces.append(face)
+    return np.concatenate(faces)

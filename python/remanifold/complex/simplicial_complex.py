@@ -1,0 +1,499 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A complex in space: positions of the vertices and simplices between them."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from remanifold import _core, interoperability
+from remanifold._base.read_only import ReadOnlyArrays
+from remanifold._base.scaling import ClassicalScaling, classical_scaling
+from remanifold._base.validation import check_cells, check_int, check_points
+from remanifold.complex import geodesics, projection
+from remanifold.complex.graphs import edge_graph
+from remanifold.complex.topology import Topology, topology_of
+from remanifold.io import write_complex
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from remanifold._base.progress import Callback
+    from remanifold._base.validation import Kind
+    from remanifold.complex.parts import Subcomplex
+    from remanifold.complex.projection import PointsOnComplex, Projection
+    from remanifold.io._source import StrPath
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SimplicialComplex(ReadOnlyArrays):
+    """A pure K-dimensional simplicial complex in R^D. Arrays are read-only.
+
+    Parameters
+    ----------
+    vertices : array_like, shape (N, D)
+        Positions; vertices that no simplex uses are allowed.
+    simplices : array_like, shape (M, K+1)
+        K-simplices, indices of vertices.
+
+    Attributes
+    ----------
+    vertices : ndarray, shape (N, D), float64, or None
+        Positions of the vertices; None where only their inner products or distances are
+        known.
+    simplices : ndarray, shape (M, K+1), int32
+        K-simplices.
+
+    Raises
+    ------
+    ValueError
+        Wrong shape, not finite, or an index out of range.
+
+    Examples
+    --------
+    >>> import remanifold as rm
+    >>> square = [[0, 0], [1, 0], [1, 1], [0, 1]]
+    >>> rm.SimplicialComplex(square, [[0, 1, 2], [0, 2, 3]])
+    SimplicialComplex(vertices=4, ambient_dim=2, dim=2, simplices=2)
+    """
+
+    vertices: NDArray[np.float64] | None
+    simplices: NDArray[np.int32]
+    # How the samples are known where they have no coordinates: "gram" or "distances".
+    _products: tuple[Kind, NDArray[np.float64]] | None = field(
+        default=None, kw_only=True
+    )
+
+    def __post_init__(self) -> None:
+        """Check what was given; coordinates that are as they should be are not copied."""
+        if self.vertices is None:
+            msg = "vertices must be an array of shape (N, D), got None"
+            raise TypeError(msg)
+        vertices = check_points(self.vertices, "vertices").view()
+        object.__setattr__(self, "vertices", vertices)
+        simplices = check_cells(self.simplices, len(vertices))
+        object.__setattr__(self, "simplices", simplices)
+        super().__post_init__()
+
+    def __repr__(self) -> str:
+        ambient = (
+            "" if self.ambient_dim is None else f", ambient_dim={self.ambient_dim}"
+        )
+        return (
+            f"{type(self).__name__}(vertices={self.num_vertices}{ambient}, "
+            f"dim={self.dim}, simplices={len(self.simplices)})"
+        )
+
+    @property
+    def dim(self) -> int:
+        """K, the dimension of the simplices."""
+        return int(self.simplices.shape[1]) - 1
+
+    @property
+    def ambient_dim(self) -> int | None:
+        """D, the number of coordinates; None where only products are known."""
+        return None if self.vertices is None else self.vertices.shape[1]
+
+    @property
+    def num_vertices(self) -> int:
+        """N, whether simplices use them or not."""
+        if self.vertices is not None:
+            return len(self.vertices)
+        assert self._products is not None
+        return len(self._products[1])
+
+    @functools.cached_property
+    def edges(self) -> NDArray[np.int32]:
+        """Edges of the simplices, (E, 2), i < j, sorted; computed when first asked for."""
+        edges = _core.edges(self.simplices, self.num_vertices)
+        edges.flags.writeable = False
+        return edges
+
+    def write(
+        self,
+        path: StrPath,
+        fields: Mapping[str, ArrayLike] | None = None,
+        *,
+        format: str | None = None,
+    ) -> None:
+        """Write the complex to a file; its suffix names the format.
+
+        Parameters
+        ----------
+        path : str or path-like
+            The file: ``.ply``, ``.obj``, ``.off``, ``.stl``, ``.vtk``, ``.vtu``,
+            ``.glb``, ``.gltf``, or ``.npz`` for any K and D. See `io.write_mesh`.
+        fields : mapping of str to array_like, optional
+            Values at the vertices, of shape (N,) or (N, C): numbers or bool.
+        format : str, optional
+            The format by its suffix, such as "ply", whatever the name of the file.
+
+        Raises
+        ------
+        ValueError
+            If the format cannot hold the complex.
+        OSError
+            If the file cannot be written. Nothing is left behind.
+        """
+        write_complex(path, self, fields, format=format)
+
+    def to_gudhi(self, filtration: ArrayLike | None = None) -> Any:
+        """Simplex tree of GUDHI; see `interoperability.to_gudhi`."""
+        return interoperability.to_gudhi(self, filtration)
+
+    def to_trimesh(self, fields: Mapping[str, ArrayLike] | None = None) -> Any:
+        """Triangles as an object of trimesh; see `interoperability.to_trimesh`."""
+        return interoperability.to_trimesh(self, fields)
+
+    def to_pyvista(self, fields: Mapping[str, ArrayLike] | None = None) -> Any:
+        """Mesh or grid of PyVista; see `interoperability.to_pyvista`."""
+        return interoperability.to_pyvista(self, fields)
+
+    def to_meshio(self, fields: Mapping[str, ArrayLike] | None = None) -> Any:
+        """Mesh of meshio; see `interoperability.to_meshio`."""
+        return interoperability.to_meshio(self, fields)
+
+    def to_networkx(self) -> Any:
+        """Graph of NetworkX, with lengths; see `interoperability.to_networkx`."""
+        return interoperability.to_networkx(self)
+
+    def to_scipy_graph(self) -> Any:
+        """Sparse matrix of the lengths of the edges; see `edge_graph`."""
+        return edge_graph(self)
+
+    @classmethod
+    def from_meshio(cls, mesh: Any, dim: int | None = None) -> SimplicialComplex:
+        """Complex of a mesh of meshio; see `interoperability.from_meshio`."""
+        return interoperability.from_meshio(mesh, dim)
+
+    def component_labels(self) -> NDArray[np.int32]:
+        """Component of each vertex, in order of lowest vertex; -1 in no simplex.
+
+        Returns
+        -------
+        ndarray, shape (N,), int32
+        """
+        return _core.component_labels(self.simplices, self.num_vertices)
+
+    def plot(self, **options: Any) -> Any:
+        """Draw the complex, by PyVista, Plotly or Matplotlib.
+
+        Parameters
+        ----------
+        **options
+            Those of `remanifold.plot`: ``color=``, ``show_samples=``, ``screenshot=``,
+            ``backend=`` and others.
+
+        Returns
+        -------
+        pyvista.Plotter, plotly.graph_objects.Figure or matplotlib.figure.Figure
+        """
+        from remanifold.drawing.plotting import plot
+
+        return plot(self, **options)
+
+    def topology(self, component: int | None = None) -> Topology:
+        """Topology of the complex, computed once, or of one of its components.
+
+        Parameters
+        ----------
+        component : int, optional
+            Label of a component, as in `component_labels`.
+
+        Returns
+        -------
+        Topology
+
+        Raises
+        ------
+        ValueError
+            No component has this label.
+        """
+        if component is None:
+            return self._topology
+        count = self._topology.components
+        index = check_int(component, "component", minimum=0)
+        if index >= count:
+            msg = f"component is {index}, expected 0 to {count - 1}"
+            raise ValueError(msg)
+        simplices = np.sort(self.simplices, axis=1)
+        own = self.component_labels()[simplices[:, 0]] == index
+        return topology_of(simplices[own], self.num_vertices)
+
+    @property
+    def _source(self) -> tuple[Kind, NDArray[np.float64]]:
+        """The positions, or the products as they were given."""
+        if self.vertices is not None:
+            return "points", self.vertices
+        assert self._products is not None
+        return self._products
+
+    @functools.cached_property
+    def _topology(self) -> Topology:
+        return topology_of(np.sort(self.simplices, axis=1), self.num_vertices)
+
+    # ------------------------------------------------------------- using the complex
+
+    @functools.cached_property
+    def coordinates(self) -> NDArray[np.float64]:
+        """Positions of the vertices, (N, D); computed when first asked for.
+
+        Where only inner products or distances are known, an isometric embedding about
+        the centroid of the vertices (classical scaling), with as many columns as these
+        span: as exact as square roots of products are, about eight digits. It takes
+        O(N^3) time and O(N^2) memory.
+        """
+        if self.vertices is not None:
+            return self.vertices
+        return self._scaling.coordinates
+
+    @functools.cached_property
+    def _scaling(self) -> ClassicalScaling:
+        assert self._products is not None
+        found = classical_scaling(*self._products)
+        found.coordinates.flags.writeable = False
+        return found
+
+    def _search(self, num_threads: int, progress: Callback | None) -> Any:
+        """The spatial index, made when first asked for."""
+        index = vars(self).get("_search_index")
+        if index is None:
+            index = _core.SimplexSearch(
+                self.coordinates, self.simplices, num_threads, progress
+            )
+            vars(self)["_search_index"] = index
+        return index
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All but the spatial index, which is made again."""
+        state = dict(vars(self))
+        state.pop("_search_index", None)
+        return state
+
+    def project(
+        self,
+        points: ArrayLike | None = None,
+        *,
+        products: ArrayLike | None = None,
+        squared_norms: ArrayLike | None = None,
+        distances: ArrayLike | None = None,
+        num_threads: int | None = None,
+        progress: bool | Callback | None = None,
+    ) -> Projection:
+        """Nearest points of the complex, exact up to rounding.
+
+        Simplices whose distances agree up to rounding are equally near, and the first
+        of them is taken. The answer for one point does not depend on the others. The
+        first call builds a tree over the simplices, which later ones use again.
+
+        Parameters
+        ----------
+        points : array_like, shape (Q, D), optional
+            Points of the space.
+        products, squared_norms : array_like, shape (Q, N) and (Q,), optional
+            Instead of `points` where the complex comes from ``gram=``: inner products
+            of each point with each of the N vertices, and with itself.
+        distances : array_like, shape (Q, N), optional
+            Instead of `points` where it comes from ``distances=``: from each point to
+            each of the N vertices.
+        num_threads : int, optional
+            All cores by default. The result does not depend on it.
+        progress : bool or callable, optional
+            True for a bar, or a function of (step, done, total).
+
+        Returns
+        -------
+        Projection
+
+        Raises
+        ------
+        ValueError
+            Wrong shape, not finite, or a complex without simplices.
+        TypeError
+            Points given in another way than the vertices are known.
+
+        Examples
+        --------
+        >>> import remanifold as rm
+        >>> triangle = rm.SimplicialComplex([[0, 0, 0], [4, 0, 0], [0, 4, 0]], [[0, 1, 2]])
+        >>> found = triangle.project([[1, 1, 3], [9, -2, 0]])
+        >>> found.points.tolist(), found.distances.round(3).tolist()
+        ([[1.0, 1.0, 0.0], [4.0, 0.0, 0.0]], [3.0, 5.385])
+        """
+        return projection.project(
+            self,
+            points,
+            products=products,
+            squared_norms=squared_norms,
+            distances=distances,
+            num_threads=num_threads,
+            progress=progress,
+        )
+
+    def interpolate(
+        self,
+        values: ArrayLike,
+        points: ArrayLike | PointsOnComplex,
+        *,
+        num_threads: int | None = None,
+    ) -> NDArray[np.float64]:
+        """Values at points, linear on each simplex between those at the vertices.
+
+        Parameters
+        ----------
+        values : array_like, shape (N,) or (N, C)
+            One value, or C of them, for each vertex.
+        points : array_like, shape (Q, D), or PointsOnComplex
+            Points, whose projections are taken, or the result of `project` or `sample`.
+        num_threads : int, optional
+            All cores by default. The result does not depend on it.
+
+        Returns
+        -------
+        ndarray, shape (Q,) or (Q, C), float64
+
+        Examples
+        --------
+        >>> import remanifold as rm
+        >>> segment = rm.SimplicialComplex([[0, 0], [4, 0]], [[0, 1]])
+        >>> segment.interpolate([10, 20], [[1, 7], [9, 0]]).tolist()
+        [12.5, 20.0]
+        """
+        return projection.interpolate(self, values, points, num_threads=num_threads)
+
+    def sample(
+        self, num_points: int, rng: int | np.random.Generator | None = None
+    ) -> PointsOnComplex:
+        """Independent points of the complex, uniform by K-volume.
+
+        Parameters
+        ----------
+        num_points : int
+            How many.
+        rng : int or numpy.random.Generator, optional
+            A seed for the same points again, or a generator.
+
+        Returns
+        -------
+        PointsOnComplex
+            With the simplices the points lie in, and their barycentric coordinates,
+            which `interpolate` takes.
+
+        Raises
+        ------
+        ValueError
+            A complex of no volume.
+        """
+        return projection.sample(self, num_points, rng)
+
+    @functools.cached_property
+    def simplex_volumes(self) -> NDArray[np.float64]:
+        """K-volume of each simplex, (M,), never negative; computed when first asked for.
+
+        Lengths, areas, volumes; 1 for points, so that their volume is their number.
+        """
+        volumes = projection.simplex_volumes(self)
+        volumes.flags.writeable = False
+        return volumes
+
+    def volume(self) -> float:
+        """K-volume of the complex: the length of a curve, the area of a surface.
+
+        Returns
+        -------
+        float
+        """
+        return float(self.simplex_volumes.sum())
+
+    def geodesic_distances(
+        self, sources: ArrayLike, method: str = "auto"
+    ) -> NDArray[np.float64]:
+        """Lengths of the shortest paths along the complex from some vertices to all.
+
+        Parameters
+        ----------
+        sources : int or array_like of int, shape (S,)
+            Vertices to start at, each on its own.
+        method : {"auto", "graph", "heat", "exact"}
+            "graph": along the edges, exact on curves, too long elsewhere. "heat": the
+            heat method, near the truth where simplices are small; on surfaces in space
+            by potpourri3d, else by linear elements, for any K and D. "exact": along the
+            triangles, for surfaces in at most three coordinates, by pygeodesic. "auto":
+            "graph" on curves, "heat" else. All of them need
+            ``pip install remanifold[geodesic]``.
+
+        Returns
+        -------
+        ndarray, shape (S, N), float64
+            Infinite where no path leads.
+
+        Raises
+        ------
+        ValueError
+            A source that is no vertex, or in no simplex; a method for other complexes.
+        ImportError
+            A package is missing; says which.
+
+        References
+        ----------
+        K. Crane, C. Weischedel, M. Wardetzky, Geodesics in heat: a new approach to
+        computing distance based on heat flow, ACM Transactions on Graphics 32(5), 2013.
+
+        J. S. B. Mitchell, D. M. Mount, C. H. Papadimitriou, The discrete geodesic
+        problem, SIAM Journal on Computing 16(4), 1987.
+        """
+        return geodesics.geodesic_distances(self, sources, method)
+
+    def subset(self, simplices: ArrayLike) -> Subcomplex:
+        """Some of the simplices, with the vertices they use.
+
+        Parameters
+        ----------
+        simplices : array_like of bool, shape (M,), or of int
+            A mask, or rows of `simplices`, in any order, none twice.
+
+        Returns
+        -------
+        Subcomplex
+            Its `vertex_indices` lead back here.
+        """
+        from remanifold.complex import parts  # they are complexes themselves
+
+        return parts.subset(self, simplices)
+
+    def components(self) -> list[Subcomplex]:
+        """Connected components, in the order of `component_labels`.
+
+        Returns
+        -------
+        list of Subcomplex
+        """
+        from remanifold.complex import parts
+
+        return parts.components(self)
+
+    def boundary_complex(self) -> Subcomplex:
+        """The (K-1)-faces that lie in one simplex only.
+
+        Each has the orientation that its simplex induces, so that the boundary of an
+        oriented complex is oriented, but for the points that a curve ends in. A closed
+        complex has a boundary without simplices and vertices.
+
+        Returns
+        -------
+        Subcomplex
+            Of dimension K - 1.
+
+        Raises
+        ------
+        ValueError
+            A complex of dimension 0.
+        """
+        from remanifold.complex import parts
+
+        return parts.boundary_complex(self)

@@ -1,0 +1,806 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Whether the samples are dense enough for the result, and where they are not."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from remanifold import _core
+from remanifold._base.read_only import ReadOnlyArrays
+from remanifold.complex.measures import squared_distances
+from remanifold.judging.singularities import find_singularities
+from remanifold.method.steps import CHECKS
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from remanifold.complex.topology import Topology
+    from remanifold.method.reconstruction import Reconstruction, Repair
+
+MAX_UNUSED = 0.01  # of the samples
+COORDINATES = 3  # that a verdict names
+
+
+class Reason(NamedTuple):
+    """A sign that the sampling does not determine the result, and the samples there."""
+
+    text: str
+    samples: NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Quality(ReadOnlyArrays):
+    """Sampling report. Arrays are read-only; copies have the values of their sample.
+
+    Attributes
+    ----------
+    spacing : ndarray, shape (N,), float64
+        Local scale h: the distance to the (2K+2)-th neighbor, on curves to the tenth,
+        smoothed by the median over these neighbors. `hole_radius` is in the same unit.
+    curvature : ndarray, shape (N,), float64
+        Largest norm of the second fundamental form, from a quadric fitted to 3 K (K + 3)
+        neighbors. NaN where there are too few.
+    reach : ndarray, shape (N,), float64
+        Least distance to the medial axis by Federer's formula, 1 / reach = max over q of
+        ``2 d(q - x, T_x) / |q - x|^2``, over the same neighbors: curvature bounds it, and so
+        do sheets nearby. Infinite where the neighborhood is flat, NaN without a tangent
+        space. Where the sampling is sparse it is an upper bound at best.
+    sampling_ratio : ndarray, shape (N,), float64
+        Spacing over reach, the rho of a rho-sample.
+    tangent_confidence : ndarray, shape (N,), float64
+        From 0 to 1: volume that the simplices around a sample have on its tangent space,
+        over their own volume. 0 without a tangent space or without simplices.
+    disputed : ndarray, shape (N,), float64
+        From 0 to 1: of the simplices proposed around a sample, the share on which not
+        all vertices agree. 0 with the paper's method.
+    boundary : ndarray, shape (N,), bool
+        Samples on an open face.
+    fold : ndarray, shape (N,), float64
+        Largest angle in degrees by which two simplices deviate from continuing each
+        other, away from the boundary.
+    gap : ndarray, shape (N,), float64
+        Radius of the largest empty ball that a simplex at the sample spans, over the
+        spacing around it, away from the boundary.
+    doubtful : ndarray, shape (N,), bool
+        Samples that one of the reasons names.
+    noise : float
+        Root mean square distance of the samples from quadrics fitted to their
+        neighborhoods, over the spacing, without what shrinks as the neighborhoods do.
+        0.18 on a surface is half the median distance to the nearest neighbor.
+    ok : bool
+        No reason for doubt.
+    reasons : tuple of Reason
+        What casts doubt on the result, each with the samples concerned (none where all
+        are).
+    recommended_samples : int or None
+        About how many samples would do; None where that is not the remedy, or nothing is
+        wrong.
+    verdict : str
+        All this in one line.
+
+    Notes
+    -----
+    A manifold is rho-sampled if no point of it is farther than rho times its distance to
+    the medial axis from a sample. One strong sign or two weak ones make a verdict; what
+    they are and how often they are right is in the page on the sampling report.
+
+    References
+    ----------
+    D. Freedman, Efficient Simplicial Reconstructions of Manifolds from Their Samples,
+    IEEE Transactions on Pattern Analysis and Machine Intelligence 24(10), 2002.
+
+    E. Aamari, J. Kim, F. Chazal, B. Michel, A. Rinaldo, L. Wasserman, Estimating the
+    reach of a manifold, Electronic Journal of Statistics 13(1), 2019.
+    """
+
+    spacing: NDArray[np.float64]
+    curvature: NDArray[np.float64]
+    reach: NDArray[np.float64]
+    sampling_ratio: NDArray[np.float64]
+    tangent_confidence: NDArray[np.float64]
+    disputed: NDArray[np.float64]
+    boundary: NDArray[np.bool_]
+    fold: NDArray[np.float64]
+    gap: NDArray[np.float64]
+    doubtful: NDArray[np.bool_]
+    noise: float
+    ok: bool
+    reasons: tuple[Reason, ...]
+    recommended_samples: int | None
+    verdict: str
+
+    def __str__(self) -> str:
+        return "\n".join([self.verdict, *(f"- {r.text}" for r in self.reasons)])
+
+    def __repr__(self) -> str:
+        return f"Quality(ok={self.ok}, verdict={self.verdict!r})"
+
+
+# ------------------------------------------------------------------------- limits
+
+
+@dataclass(frozen=True)
+class _Limits:
+    """Where a sign is strong, and from where on it is a weak one (`some_...`).
+
+    Measured on half of the runs of ``benchmarks/critical_sampling.py``.
+    """
+
+    # Samples at folds wider than so many degrees, plus so many a unit of noise.
+    folded: int
+    fold: float
+    some_folded: int
+    some_fold: float
+    fold_by_noise: float
+    # Samples so near, in spacings, to others that are far along the result.
+    near: int
+    distance: float
+    some_distance: float
+    # Share of disputed simplices.
+    disputed: float
+    some_disputed: float
+    # Openings narrower than so many times hole_radius.
+    opening: float
+    some_opening: float
+    # Balls that large expected among as many samples at random: powers of ten.
+    gap: float
+    some_gap: float
+    # Spacing over reach at 5 % of the samples, tangent confidence at 5 %, and scatter
+    # about the fits over the spacing, which for curves takes the place of the first.
+    some_ratio: float
+    some_confidence: float
+    scatter: float = math.inf
+    some_scatter: float = math.inf
+
+
+_CURVES = _Limits(
+    folded=2,
+    fold=160,
+    some_folded=1,
+    some_fold=90,
+    fold_by_noise=600,
+    near=1,
+    distance=0.4,
+    some_distance=0.7,
+    disputed=0.4,
+    some_disputed=0.6,
+    opening=0,
+    some_opening=0,
+    gap=-4,
+    some_gap=-2,
+    some_ratio=2.45,
+    some_confidence=0.4,
+    scatter=0.4,
+    some_scatter=0.3,
+)
+_SURFACES = _Limits(
+    folded=4,
+    fold=130,
+    some_folded=3,
+    some_fold=115,
+    fold_by_noise=500,
+    near=2,
+    distance=0.85,
+    some_distance=1.0,
+    disputed=0.8,
+    some_disputed=0.75,
+    opening=1.0,
+    some_opening=1.0,
+    gap=-2.3,
+    some_gap=-0.7,
+    some_ratio=2.0,
+    some_confidence=0.3,
+)
+_THREE = _Limits(
+    folded=6,
+    fold=140,
+    some_folded=4,
+    some_fold=120,
+    fold_by_noise=500,
+    near=2,
+    distance=0.85,
+    some_distance=1.0,
+    disputed=0.9,
+    some_disputed=0.85,
+    opening=0.3,
+    some_opening=0.5,
+    gap=-2.3,
+    some_gap=-1,
+    some_ratio=2.25,
+    some_confidence=0.25,
+)
+_MORE = _Limits(
+    folded=8,
+    fold=160,
+    some_folded=6,
+    some_fold=150,
+    fold_by_noise=500,
+    near=2,
+    distance=0.85,
+    some_distance=1.0,
+    disputed=0.97,
+    some_disputed=0.92,
+    opening=0.2,
+    some_opening=0.3,
+    gap=-2.3,
+    some_gap=-1,
+    some_ratio=2.25,
+    some_confidence=0.25,
+)
+_LIMITS = {1: _CURVES, 2: _SURFACES, 3: _THREE}
+
+MOST_FOLD = 176.0  # degrees that noise may account for, with the limit itself
+MOST_NOISE = 0.2  # over the spacing, beyond which it is no longer told from sparsity
+MANY_OUTLIERS = 0.05  # share of the samples
+FEW = 20_000  # samples among which crossings are looked for without a sign
+LONG_EDGE = 1.2  # spacings
+MOST_LONG_EDGES = 50  # that are looked at
+CROSSING = 0.5  # distance of a sample from the middle over half the length
+LEAST_GAPS = 30  # samples from which the evenness is judged
+ENOUGH = 1.0  # spacing over reach that is asked for when recommending
+
+
+# ----------------------------------------------------------------------- the report
+
+
+@dataclass
+class _Findings:
+    """What is known about the samples and the result."""
+
+    dim: int
+    ambient_dim: int | None
+    kind: str
+    matrix: NDArray[np.float64]
+    num_samples: int  # without copies
+    num_simplices: int
+    simplices: NDArray[np.int32]
+    topology: Topology
+    repair: Repair
+    own: NDArray[np.bool_]  # not a copy
+    spacing: NDArray[np.float64]
+    reach: NDArray[np.float64]
+    ratio: NDArray[np.float64]
+    confidence: NDArray[np.float64]
+    fold: NDArray[np.float64]
+    gap: NDArray[np.float64]
+    strange: NDArray[np.float64]  # distance to the nearest far along the result
+    disputed: NDArray[np.float64]
+    noise: float
+    limits: _Limits = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.limits = _LIMITS.get(self.dim, _MORE)
+
+    def where(self, mask: NDArray[np.bool_]) -> NDArray[np.int64]:
+        return np.flatnonzero(mask & self.own)
+
+    def squared_distances(
+        self, a: NDArray[Any], b: NDArray[Any]
+    ) -> NDArray[np.float64]:
+        """Between samples, by broadcasting."""
+        return squared_distances(self.kind, self.matrix, a, b)
+
+    def squared_distances_to_middle(self, a: int, b: int) -> NDArray[np.float64]:
+        """Of all samples, from the middle between two."""
+        matrix = self.matrix
+        if self.kind == "points":
+            middle = (matrix[a] + matrix[b]) / 2
+            return np.asarray(((matrix - middle) ** 2).sum(axis=1))
+        if self.kind == "gram":
+            middle_norm = (matrix[a, a] + matrix[b, b] + 2 * matrix[a, b]) / 4
+            return np.asarray(np.diagonal(matrix) + middle_norm - matrix[a] - matrix[b])
+        return np.asarray((matrix[a] ** 2 + matrix[b] ** 2) / 2 - matrix[a, b] ** 2 / 4)
+
+    def quantile(self, values: NDArray[np.float64], q: float) -> float:
+        known = values[self.own & np.isfinite(values)]
+        return float(np.quantile(known, q)) if len(known) else math.nan
+
+
+class _Sign(NamedTuple):
+    strong: bool
+    text: str
+    samples: NDArray[np.int64]
+    growth: float = math.nan  # of the number of samples that would remove it
+
+
+def assess(rec: Reconstruction) -> Quality:
+    """Measure the samples of a reconstruction and judge."""
+    kind, matrix = rec._source
+    measured = _measure(kind, matrix, rec)
+    spacing, reach = measured["spacing"], measured["reach"]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = spacing / reach
+        scatter = _share(measured["scatter"], spacing)
+        wide_scatter = _share(measured["wide_scatter"], spacing)
+    own = rec.representatives == np.arange(rec.num_samples)
+    own[rec.outliers] = False
+    findings = _Findings(
+        dim=rec.dim,
+        ambient_dim=rec.ambient_dim,
+        kind=kind,
+        matrix=matrix,
+        num_samples=int(np.count_nonzero(own)),
+        num_simplices=len(rec.simplices),
+        simplices=rec.simplices,
+        topology=rec.topology(),
+        repair=rec.repair,
+        own=own,
+        spacing=spacing,
+        reach=reach,
+        ratio=ratio,
+        confidence=measured["tangent_share"],
+        fold=measured["fold"],
+        gap=measured["gap"],
+        strange=measured["nearest_strange"],
+        disputed=_disputed(rec.simplices, rec.repair, rec.representatives),
+        noise=_noise(scatter[own], wide_scatter[own], rec.dim),
+    )
+    signs = sorted(_signs(findings), key=lambda sign: not sign.strong)
+    if len(rec.outliers) > MANY_OUTLIERS * rec.num_samples:
+        text = (
+            f"{_count(len(rec.outliers), 'sample')} were left out as outliers: stray, or "
+            "the sampling is too sparse there"
+        )
+        signs.append(_Sign(True, text, rec.outliers.astype(np.int64)))
+    if signs or findings.num_samples <= FEW:
+        signs = [*_singularities(rec, kind, matrix), *signs]
+    if not any(sign.strong for sign in signs) and len(signs) < 2:
+        signs = []
+    reasons = tuple(Reason(sign.text, sign.samples) for sign in signs)
+    doubtful = np.zeros(rec.num_samples, dtype=bool)
+    for reason in reasons:
+        doubtful[reason.samples] = True
+        reason.samples.flags.writeable = False
+    doubtful = doubtful[rec.representatives]
+    recommended = _recommended(findings, signs)
+    return Quality(
+        spacing=spacing,
+        curvature=measured["curvature"],
+        reach=reach,
+        sampling_ratio=ratio,
+        tangent_confidence=findings.confidence,
+        disputed=findings.disputed,
+        boundary=measured["rim"] == 2,
+        fold=findings.fold,
+        gap=findings.gap,
+        doubtful=doubtful,
+        noise=findings.noise,
+        ok=not reasons,
+        reasons=reasons,
+        recommended_samples=recommended,
+        verdict=_verdict(findings, reasons, recommended, rec.vertices),
+    )
+
+
+def _measure(
+    kind: str, matrix: NDArray[np.float64], rec: Reconstruction
+) -> dict[str, NDArray[Any]]:
+    """By the core, as if there were no outliers; theirs is NaN, or nothing."""
+    kept = np.ones(rec.num_samples, dtype=bool)
+    kept[rec.outliers] = False
+    simplices = rec.simplices
+    if len(rec.outliers):
+        matrix = matrix[kept] if kind == "points" else matrix[np.ix_(kept, kept)]
+        matrix = np.ascontiguousarray(matrix)
+        number = np.cumsum(kept, dtype=np.int32) - np.int32(1)
+        simplices = number[simplices]
+    measured: dict[str, NDArray[Any]] = _core.quality(
+        kind, matrix, simplices, 0, rec.search, CHECKS, 0, None
+    )
+    if len(rec.outliers):
+        for name, values in measured.items():
+            nothing = np.nan if values.dtype.kind == "f" else 0
+            spread = np.full(rec.num_samples, nothing, dtype=values.dtype)
+            spread[kept] = values
+            measured[name] = spread
+    return measured
+
+
+def _share(
+    values: NDArray[np.float64], spacing: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    return np.where(spacing > 0, values / spacing, np.nan)
+
+
+def _disputed(
+    simplices: NDArray[np.int32], repair: Repair, representatives: NDArray[np.int32]
+) -> NDArray[np.float64]:
+    """Share of the disputed among the simplices proposed around each sample."""
+    count = len(representatives)
+    against, chosen, all_of = (
+        np.bincount(rows.ravel(), minlength=count)
+        for rows in (repair.disputed_simplices, repair.filled_simplices, simplices)
+    )
+    proposed = against + np.maximum(all_of - chosen, 0)
+    shares = against / np.maximum(proposed, 1)
+    return np.asarray(shares[representatives], dtype=np.float64)
+
+
+def _noise(
+    scatter: NDArray[np.float64], wide_scatter: NDArray[np.float64], dim: int
+) -> float:
+    """Scatter over the spacing that does not shrink with the neighborhoods.
+
+    The wide ones have twice as many samples. What a quadric leaves of the shape grows
+    with the third power of the width, and so does its square 2^(6 / K) times.
+    """
+    known = np.isfinite(scatter)
+    if not known.any():
+        return math.nan
+    narrow = float(np.median(scatter[known]))
+    known = np.isfinite(wide_scatter)
+    if not known.any():
+        return narrow
+    wide = float(np.median(wide_scatter[known]))
+    growth = 2.0 ** (6 / dim)
+    return math.sqrt(max(0.0, (growth * narrow**2 - wide**2) / (growth - 1)))
+
+
+# -------------------------------------------------------------------------- signs
+
+
+def _signs(found: _Findings) -> Iterator[_Sign]:
+    """All signs, the plainest first. A new kind of doubt is one more line here."""
+    few = list(_too_few(found))
+    yield from few
+    if not few:
+        yield from _not_a_manifold(found)
+        yield from _strange_neighbors(found)
+        yield from _crossings(found)
+        yield from _folds(found)
+        yield from _gaps(found)
+        yield from _openings(found)
+        yield from _disputes(found)
+        yield from _sparsity(found)
+
+
+def _fitted(dim: int) -> int:
+    """Neighbors of the narrow fits."""
+    return 3 * dim * (dim + 3) // 2
+
+
+def _singularities(
+    rec: Reconstruction, kind: str, matrix: NDArray[np.float64]
+) -> Iterator[_Sign]:
+    """Where the samples are no K-manifold at all."""
+    kept = np.ones(rec.num_samples, dtype=bool)
+    kept[rec.outliers] = False
+    if np.count_nonzero(kept) <= 2 * rec.dim + 2:
+        return
+    given: dict[str, Any] = {
+        kind: matrix[kept] if kind == "points" else matrix[np.ix_(kept, kept)]
+    }
+    found = find_singularities(**given, dim=rec.dim)
+    if found.places:
+        numbers = np.flatnonzero(kept)
+        samples = np.concatenate([place.samples for place in found.places])
+        yield _Sign(True, found.verdict, np.unique(numbers[samples]))
+
+
+_NOWHERE = np.empty(0, dtype=np.int64)
+
+
+def _too_few(found: _Findings) -> Iterator[_Sign]:
+    needed = _fitted(found.dim) + 1
+    if found.num_samples < needed:
+        yield _Sign(
+            True,
+            f"{found.num_samples:,} samples are fewer than the {needed} that tell "
+            "anything about the shape",
+            _NOWHERE,
+            2 * needed / found.num_samples,
+        )
+    elif found.num_simplices == 0:
+        yield _Sign(True, "there are no simplices", _NOWHERE)
+
+
+def _not_a_manifold(found: _Findings) -> Iterator[_Sign]:
+    topology, repair = found.topology, found.repair
+    bad = topology.singular_vertices
+    if len(bad):
+        yield _Sign(
+            True,
+            f"the result is no manifold around {_count(len(bad), 'sample')}",
+            bad.astype(np.int64),
+            _growth_by_ratio(found, bad),
+        )
+    unused = repair.unused_vertices
+    if len(unused) > MAX_UNUSED * found.num_samples:
+        yield _Sign(
+            True,
+            f"{_count(len(unused), 'sample')} fit nowhere",
+            unused.astype(np.int64),
+        )
+    if (
+        topology.manifold
+        and topology.closed
+        and not topology.orientable
+        and found.ambient_dim == found.dim + 1
+    ):
+        yield _Sign(
+            True,
+            "the result is closed and has one side only, which no manifold of "
+            f"codimension 1 in R^{found.ambient_dim} has",
+            _NOWHERE,
+        )
+
+
+def _strange_neighbors(found: _Findings) -> Iterator[_Sign]:
+    limits = found.limits
+    with np.errstate(divide="ignore", invalid="ignore"):
+        distance = found.strange / found.spacing
+    near = found.where(distance < limits.distance)
+    strong = len(near) >= limits.near
+    if not strong:
+        near = found.where(distance < limits.some_distance)
+    if len(near):
+        limit = limits.distance if strong else limits.some_distance
+        yield _Sign(
+            strong,
+            f"{_count(len(near), 'sample')} nearer than {limit:g} times the spacing to "
+            "others that are far along the result: parts of the manifold are closer "
+            "together than the samples on them",
+            near,
+            float(np.median(2 / distance[near])) / ENOUGH,
+        )
+
+
+def _crossings(found: _Findings) -> Iterator[_Sign]:
+    """Long edges of a curve that run right by samples elsewhere on it."""
+    edges = found.simplices
+    if found.dim != 1 or len(edges) == 0:
+        return
+    lengths = np.sqrt(found.squared_distances(edges[:, 0], edges[:, 1]))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        relative = lengths / found.spacing[edges].mean(axis=1)
+    longest = np.argsort(-relative, kind="stable")[:MOST_LONG_EDGES]
+    crossing = []
+    for e in longest[relative[longest] > LONG_EDGE].tolist():
+        ends = edges[e]
+        squared = found.squared_distances_to_middle(*ends.tolist())
+        at_ends = (edges == ends[0]) | (edges == ends[1])
+        squared[edges[at_ends.any(axis=1)].ravel()] = np.inf
+        if squared[found.own].min() < (CROSSING * lengths[e] / 2) ** 2:
+            crossing.append(ends)
+    if crossing:
+        yield _Sign(
+            True,
+            f"{_count(len(crossing), 'edge')} longer than the spacing right by other "
+            "samples: parts of the manifold may have been joined that are not",
+            np.unique(crossing).astype(np.int64),
+        )
+
+
+def _folds(found: _Findings) -> Iterator[_Sign]:
+    limits = found.limits
+    # Among few samples the fits tell noise and bends apart no longer.
+    told_apart = found.num_samples >= 4 * _fitted(found.dim) and found.noise > 0
+    excused = limits.fold_by_noise * min(found.noise, MOST_NOISE) if told_apart else 0.0
+    for strong, number, angle in (
+        (True, limits.folded, limits.fold),
+        (False, limits.some_folded, limits.some_fold),
+    ):
+        least = min(MOST_FOLD, angle + excused)
+        folded = found.where(found.fold > least)
+        if len(folded) >= number:
+            yield _Sign(
+                strong,
+                f"the result folds back by more than {least:.0f} degrees at "
+                f"{_count(len(folded), 'sample')}",
+                folded,
+                _growth_by_ratio(found, folded),
+            )
+            return
+
+
+def _gaps(found: _Findings) -> Iterator[_Sign]:
+    """Empty balls larger than samples at random leave.
+
+    The number of samples that would fill the empty ball of a Delaunay simplex has, in a
+    Poisson process, a Gamma distribution of order K (Miles, 1974).
+    """
+    limits = found.limits
+    log_chance = _log_chance(found.gap, found.dim)
+    log_expected = log_chance * _evenness(found, log_chance) + math.log10(
+        found.num_simplices
+    )
+    strong = True
+    wide = found.where(log_expected < limits.gap)
+    if len(wide) == 0:
+        strong = False
+        wide = found.where(log_expected < limits.some_gap)
+    if len(wide) == 0:
+        return
+    largest = float(found.gap[wide].max())
+    radius = found.repair.hole_radius
+    yield _Sign(
+        strong,
+        f"simplices at {_count(len(wide), 'sample')} span a gap of {largest:.1f} "
+        "spacings, wider than samples at random leave: a hole may have been closed",
+        wide,
+        radius / largest if radius > largest else math.nan,
+    )
+
+
+def _log_chance(gap: NDArray[np.float64], dim: int) -> NDArray[np.float64]:
+    """Decimal logarithm of the chance that a simplex spans a larger gap."""
+    inside = (10 if dim == 1 else 2 * dim + 2) * gap**dim
+    terms = np.zeros_like(inside)
+    term = np.ones_like(inside)
+    for k in range(dim):
+        terms += term
+        term = term * inside / (k + 1)
+    return np.asarray((np.log(terms) - inside) / math.log(10))
+
+
+def _evenness(found: _Findings, log_chance: NDArray[np.float64]) -> float:
+    """Below 1 where large gaps are more frequent than among samples at random.
+
+    From the gap that a hundredth of the samples exceed, at least 30.
+    """
+    rank = max(LEAST_GAPS, found.num_samples // 100)
+    if found.num_samples < 2 * rank:
+        return 1.0
+    seen = float(np.partition(log_chance[found.own], rank)[rank])
+    simplices_at = (found.dim + 1) * found.num_simplices / found.num_samples
+    # Three in four simplices have their center inside.
+    random = math.log10((rank + 0.5) / found.num_samples / (0.75 * simplices_at))
+    return min(1.0, min(random, -0.3) / seen) if seen < 0 else 1.0
+
+
+def _openings(found: _Findings) -> Iterator[_Sign]:
+    """Openings so narrow that they may be gaps between samples."""
+    faces, radius = found.repair.open_faces, found.repair.hole_radius
+    if found.dim == 1 or len(faces) == 0 or math.isnan(radius):
+        return
+    sets = _core.face_sets(faces)
+    size = np.bincount(sets, _face_sizes(found, faces))
+    # Radius of a round opening with a rim of this size.
+    dim = found.dim
+    sphere = 2 * math.pi ** (dim / 2) / math.gamma(dim / 2)
+    share = (size / sphere) ** (1 / (dim - 1)) / radius
+    limits = found.limits
+    strong = bool((share < limits.opening).any())
+    narrow = share < (limits.opening if strong else limits.some_opening)
+    if narrow.any():
+        rims = np.unique(faces[narrow[sets]]).astype(np.int64)
+        yield _Sign(
+            strong,
+            f"{_count(int(narrow.sum()), 'opening')} narrower than the hole radius may "
+            "be nothing but gaps between samples",
+            rims,
+            1 / float(share.min()),
+        )
+
+
+def _face_sizes(found: _Findings, faces: NDArray[np.int32]) -> NDArray[np.float64]:
+    """Volumes of (K-1)-simplices over the spacing to that power."""
+    order = found.dim - 1
+    first, others = faces[:, :1], faces[:, 1:]
+    from_first = found.squared_distances(first, others)
+    among = found.squared_distances(others[:, :, None], others[:, None, :])
+    gram = (from_first[:, :, None] + from_first[:, None, :] - among) / 2
+    volumes = np.sqrt(np.maximum(np.linalg.det(gram), 0)) / math.factorial(order)
+    return np.asarray(volumes / found.spacing[faces].mean(axis=1) ** order)
+
+
+def _disputes(found: _Findings) -> Iterator[_Sign]:
+    against = len(found.repair.disputed_simplices)
+    share = against / max(1, against + found.repair.num_agreed)
+    limits = found.limits
+    unsure = found.quantile(found.confidence, 0.05)
+    if share > limits.some_disputed or unsure < limits.some_confidence:
+        strong = share > limits.disputed
+        worst = found.where((found.disputed > limits.some_disputed) & (share > 0.5))
+        text = f"{share:.0%} of the simplices that samples propose are disputed"
+        if share <= limits.some_disputed:
+            worst = found.where(found.confidence < limits.some_confidence)
+            text = (
+                f"the simplices at {_count(len(worst), 'sample')} stand off the tangent "
+                "space"
+            )
+        yield _Sign(strong, text, worst, _growth_by_ratio(found, worst))
+
+
+def _sparsity(found: _Findings) -> Iterator[_Sign]:
+    limits = found.limits
+    if found.noise > limits.some_scatter:
+        yield _Sign(
+            found.noise > limits.scatter,
+            f"the samples lie {found.noise:.2f} spacings off any smooth manifold: noise, "
+            "or bends between the samples",
+            _NOWHERE,
+        )
+    elif found.quantile(found.ratio, 0.95) > limits.some_ratio:
+        sparse = found.where(found.ratio > limits.some_ratio)
+        yield _Sign(
+            False,
+            f"the spacing is more than {limits.some_ratio:g} times the reach at "
+            f"{_count(len(sparse), 'sample')}",
+            sparse,
+            _growth_by_ratio(found, sparse),
+        )
+
+
+# ------------------------------------------------------------------------ the verdict
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number:,} {what}" if number == 1 else f"{number:,} {what}s"
+
+
+def _growth_by_ratio(found: _Findings, samples: NDArray[Any]) -> float:
+    ratios = found.ratio[samples]
+    ratios = ratios[np.isfinite(ratios)]
+    return float(np.median(ratios)) / ENOUGH if len(ratios) else math.nan
+
+
+def _recommended(found: _Findings, signs: list[_Sign]) -> int | None:
+    """N (ratio / allowed ratio)^K by the sign that asks for most, to two digits."""
+    growths = [sign.growth for sign in signs if sign.growth > 1]
+    if not growths:
+        return None
+    number = found.num_samples * max(growths) ** found.dim
+    unit = int(10 ** max(0, math.floor(math.log10(number)) - 1))
+    return math.ceil(number / unit) * unit
+
+
+def _verdict(
+    found: _Findings,
+    reasons: tuple[Reason, ...],
+    recommended: int | None,
+    points: NDArray[np.float64] | None,
+) -> str:
+    of = _count(found.num_samples, "sample")
+    if not reasons:
+        ratio = found.quantile(found.ratio, 0.95)
+        return (
+            f"sampling is dense enough: the spacing is at most {ratio:.2g} times the "
+            f"reach at 95 % of {of}"
+        )
+    if reasons[0].text.startswith("no "):
+        return reasons[0].text
+    marked = np.unique(np.concatenate([reason.samples for reason in reasons]))
+    parts = [reasons[0].text]
+    if len(marked):
+        head = f"sampling is too sparse at {len(marked):,} of {of}"
+        place, together = _place(found, marked)
+        where = f"{'mostly' if together else 'for one'} near sample {place}"
+        if points is not None:
+            numbers = ", ".join(f"{c:.4g}" for c in points[place][:COORDINATES])
+            more = ", ..." if points.shape[1] > COORDINATES else ""
+            where += f" at ({numbers}{more})"
+        head += f", {where}"
+    else:
+        head = f"{of} do not determine the result"
+    if recommended is not None:
+        parts.append(f"about {recommended:,} would do")
+    return f"{head}: {'; '.join(parts)}"
+
+
+def _place(found: _Findings, marked: NDArray[np.int64]) -> tuple[int, bool]:
+    """The middle of the largest connected set of samples, and if it has most of them.
+
+    The middle is the sample with most neighbors in the set, the first of these.
+    """
+    inside = np.zeros(len(found.own), dtype=bool)
+    inside[marked] = True
+    rows = found.simplices[inside[found.simplices].sum(axis=1) > 1]
+    columns = [(i, j) for j in range(rows.shape[1]) for i in range(j)]
+    edges = np.concatenate(
+        [rows[:, list(pair)] for pair in columns] or [np.empty((0, 2), np.int32)]
+    )
+    edges = np.sort(edges[inside[edges].all(axis=1)], axis=1)
+    if len(edges) == 0:
+        return int(marked[0]), len(marked) == 1
+    edges = np.unique(edges, axis=0)
+    labels = _core.component_labels(edges, len(inside))
+    sizes = np.bincount(labels[labels >= 0])
+    degrees = np.bincount(edges.ravel(), minlength=len(inside))
+    degrees[labels != int(np.argmax(sizes))] = 0
+    return int(np.argmax(degrees)), bool(2 * sizes.max() >= len(marked))

@@ -1,0 +1,236 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is done to the samples before: outliers found, noise smoothed away."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from remanifold import _core
+from remanifold._base.progress import progress_callback
+from remanifold._base.read_only import ReadOnlyArrays
+from remanifold._base.scaling import classical_scaling
+from remanifold._base.validation import (
+    Input,
+    check_choice,
+    check_dim,
+    check_num_neighbors,
+    check_num_threads,
+    check_outliers,
+    check_samples,
+)
+from remanifold.method.steps import CHECKS, EXACT_SEARCHES
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from remanifold._base.progress import Callback
+
+
+@dataclass(frozen=True, eq=False)
+class Smoothing(ReadOnlyArrays):
+    """Samples moved onto the manifold, and how noisy they were.
+
+    Attributes
+    ----------
+    points : ndarray, shape (N, D), float64, or None
+        The smoothed samples; those given where nothing was moved, and outliers where
+        they were. None where only products of the samples are known.
+    noise : float
+        Root of the mean squared normal distance of the samples from the manifold, over
+        all normal directions together, in the units of the samples: the residuals of the
+        fits, less what a fit itself takes up. The worst 1 % do not count. NaN where
+        there are too few samples.
+    prediction_error : float
+        Root of the mean squared normal distance of a sample from what the others
+        predict, likewise.
+    num_neighbors : int
+        Neighbors each fit was made to; 0 where nothing was moved.
+    rounds : int
+        2 where neighbors were looked for again among the smoothed samples.
+    """
+
+    points: NDArray[np.float64] | None
+    noise: float
+    prediction_error: float
+    num_neighbors: int
+    rounds: int
+
+    @property
+    def moved(self) -> bool:
+        """Whether samples were moved: not where ``"auto"`` found no noise."""
+        return self.num_neighbors > 0
+
+
+def smooth(
+    points: ArrayLike | None = None,
+    dim: int | None = None,
+    num_neighbors: int | None = None,
+    *,
+    only_noise: bool = False,
+    search: str = "auto",
+    num_threads: int | None = None,
+    progress: bool | Callback | None = None,
+) -> Smoothing:
+    """Move noisy samples onto the K-manifold that their neighborhoods show.
+
+    Each sample goes along the normals to a quadric fitted to its neighborhood: moving
+    least squares in any dimension K and any number of coordinates. Neighborhoods are as
+    large as predicts samples from the others best (leave-one-out cross-validation at 400
+    of them): where noise separates samples large ones, where curvature does small ones.
+
+    Parameters
+    ----------
+    points : array_like, shape (N, D)
+        Samples; complex samples count as real ones of dimension 2 D.
+    dim : int
+        K, the dimension of the manifold.
+    num_neighbors : int, optional
+        Neighbors of each fit, at least K + 1, weighted down to zero at the last; by
+        default as cross-validation finds.
+    only_noise : bool
+        Leave the samples alone unless large neighborhoods predict them better than small
+        ones, which is what noise does.
+    search : {"auto", "kdtree", "brute_force"}
+        An exact search, see `neighborhoods`.
+    num_threads : int, optional
+        All cores by default. The result does not depend on it.
+    progress : bool or callable, optional
+        True for a bar, or a function of (step, done, total).
+
+    Returns
+    -------
+    Smoothing
+
+    References
+    ----------
+    D. Levin, Mesh-independent surface interpolation, 2003.
+
+    B. Sober and D. Levin, Manifold approximation by moving least-squares projection
+    (MMLS), Constructive Approximation 52, 2020.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import remanifold as rm
+    >>> circle = rm.datasets.circle(400, random_state=0)
+    >>> noisy = rm.datasets.add_noise(circle, 0.02, random_state=1)
+    >>> smoothed = rm.smooth(noisy, 1)
+    >>> bool(abs(np.hypot(*smoothed.points.T) - 1).max() < 0.01)
+    True
+    >>> round(smoothed.noise, 2)
+    0.02
+    """
+    given = check_samples(points)
+    k = check_dim(dim, given)
+    check_choice(search, "search", EXACT_SEARCHES)
+    neighbors = 0
+    if num_neighbors is not None:
+        neighbors = check_num_neighbors(num_neighbors, k)
+    with progress_callback(progress) as callback:
+        report = _core.clean(
+            *given,
+            k,
+            0.0,
+            neighbors,
+            bool(only_noise),
+            search,
+            CHECKS,
+            check_num_threads(num_threads),
+            callback,
+        )
+    return smoothing_of(given, report)
+
+
+def find_outliers(
+    points: ArrayLike | None = None,
+    dim: int | None = None,
+    outliers: str | float = "auto",
+    *,
+    gram: ArrayLike | None = None,
+    distances: ArrayLike | None = None,
+    search: str = "auto",
+    num_threads: int | None = None,
+    progress: bool | Callback | None = None,
+) -> NDArray[np.int32]:
+    """Samples that do not lie on the K-manifold of the others.
+
+    A sample is judged by its neighbors: by its normal distances from the quadrics fitted
+    to their neighborhoods without it, of which the lower quartile counts. Far from
+    everything, where outliers are each other's neighbors, they are known by being three
+    times sparser than most samples while their neighbors do not agree on any surface.
+
+    Parameters
+    ----------
+    points : array_like, shape (N, D)
+        Samples; complex samples count as real ones of dimension 2 D.
+    dim : int
+        K, the dimension of the manifold.
+    outliers : "auto" or float
+        Distance from which on a sample is an outlier, in units of the local scale (the
+        distance to the (2K+2)-th neighbor around it, and at most twice the median of
+        these); "auto" is 2. Among noisy samples it is at least eight times the distance
+        that one in four exceeds.
+    gram, distances : array_like, shape (N, N), optional
+        Inner products or distances of the samples, instead of `points`.
+    search, num_threads, progress
+        As in `smooth`.
+
+    Returns
+    -------
+    ndarray of int32
+        Indices of the outliers, ascending.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import remanifold as rm
+    >>> circle = rm.datasets.circle(100, random_state=0)
+    >>> rm.find_outliers(np.vstack([circle, [[0.1, 0.2], [2.0, 1.0]]]), 1).tolist()
+    [100, 101]
+    """
+    given = check_samples(points, gram, distances)
+    k = check_dim(dim, given)
+    check_choice(search, "search", EXACT_SEARCHES)
+    distance = check_outliers(outliers)
+    if distance == 0:
+        msg = 'outliers is False, expected "auto" or a distance'
+        raise ValueError(msg)
+    with progress_callback(progress) as callback:
+        report = _core.clean(
+            *given,
+            k,
+            distance,
+            -1,
+            False,
+            search,
+            CHECKS,
+            check_num_threads(num_threads),
+            callback,
+        )
+    found: NDArray[np.int32] = report["outliers"]
+    return found
+
+
+def smoothing_of(given: Input, report: dict[str, Any], known: bool = True) -> Smoothing:
+    """What the core did, as positions; None where they are not `known`."""
+    points = given.matrix if known else None
+    if known and len(report["displacements"]):
+        points = given.matrix + report["displacements"]
+    return Smoothing(
+        points=None if points is None else points.view(),
+        noise=report["noise"],
+        prediction_error=report["prediction_error"],
+        num_neighbors=report["num_neighbors"],
+        rounds=report["rounds"],
+    )
+
+
+def as_points(samples: Input) -> Input:
+    """Coordinates for samples known by products or distances (classical scaling)."""
+    if samples.kind == "points":
+        return samples
+    coordinates = classical_scaling(*samples).coordinates
+    return Input("points", coordinates)

@@ -1,0 +1,256 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A reconstruction on one page of HTML that needs no network."""
+
+from __future__ import annotations
+
+import json
+import os
+import secrets
+from importlib import resources
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from remanifold._base.optional import load
+from remanifold.complex.embedding import embed
+from remanifold.drawing.scene import scene_of
+from remanifold.page import report_parts as parts
+from remanifold.page.html import json_text, text
+
+if TYPE_CHECKING:
+    from remanifold.complex.embedding import Embedding
+    from remanifold.method.reconstruction import Reconstruction
+
+StrPath: TypeAlias = str | os.PathLike[str]
+
+SUFFIXES = (".html", ".htm")
+MOST_SHOWN = 40_000  # simplices that a phone still turns
+COLORS = ("sampling_ratio", "tangent_confidence", "quality", "component", "doubtful")
+# Nothing may be fetched, from wherever.
+POLICY = (
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
+    "img-src data: blob:"
+)
+
+
+def write_report(
+    rec: Reconstruction,
+    path: StrPath,
+    title: str | None = None,
+    command: str | None = None,
+) -> None:
+    """Write a page that shows a reconstruction and says how far to trust it.
+
+    The complex, which can be turned, with the samples in doubt; verdict, topology,
+    repair, histograms, outliers and noise, timings, versions and parameters. One file
+    that loads nothing else: about 5 MB, nearly all of it the drawing library
+    plotly.js, and at most 4 MB more for the complex, which is coarsened for display
+    beyond 40,000 simplices; the page then says so.
+
+    Parameters
+    ----------
+    rec : Reconstruction
+        What to show. Its `Reconstruction.quality` is computed if it is not yet.
+    path : path-like
+        File to write, ``.html`` or ``.htm``; replaced when the new one is complete.
+    title : str, optional
+        Heading, any text; by default what was reconstructed.
+    command : str, optional
+        The command or call that made it, shown as it is.
+
+    Raises
+    ------
+    ImportError
+        Plotly is not installed: ``pip install remanifold[plot]``.
+    TypeError
+        No Reconstruction, or text that is none.
+    ValueError
+        Another suffix.
+    OSError
+        The file cannot be written. Nothing is left behind.
+
+    Examples
+    --------
+    >>> import remanifold as rm
+    >>> rec = rm.reconstruct(rm.datasets.torus(400, random_state=0), 2)
+    >>> rm.write_report(rec, "torus.html", title="A torus")  # doctest: +SKIP
+    """
+    _check(rec, {"title": title, "command": command})
+    target = check_page(path)
+    page = _page(rec, title or _default_title(rec), command)
+    # Written beside the target, so that the last step is a rename within one folder.
+    final = Path(os.path.realpath(target))
+    partial = final.with_name(f".{secrets.token_hex(6)}.html")
+    try:
+        partial.write_text(page, encoding="utf-8")
+        partial.replace(final)
+    except OSError as error:
+        msg = f"{target}: cannot write the file ({error.strerror or error})"
+        raise OSError(error.errno, msg) from error
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def _check(rec: object, texts: dict[str, Any]) -> None:
+    # A class that calls this module: not imported at its top.
+    from remanifold.method.reconstruction import Reconstruction
+
+    if not isinstance(rec, Reconstruction):
+        msg = f"rec must be a Reconstruction, got {type(rec).__name__}"
+        raise TypeError(msg)
+    for name, value in texts.items():
+        if not isinstance(value, str | None):
+            msg = f"{name} must be a string, got {type(value).__name__}"
+            raise TypeError(msg)
+
+
+def check_page(path: StrPath) -> Path:
+    """Check that a page can be written to a file, before any work is done for it."""
+    target = Path(path)
+    if target.suffix.lower() not in SUFFIXES:
+        msg = f"{target}: a report is a page, use .html or .htm"
+        raise ValueError(msg)
+    if target.is_dir():
+        msg = f"{target}: is a directory, expected the name of a file"
+        raise IsADirectoryError(msg)
+    folder = Path(os.path.realpath(target)).parent
+    if not folder.is_dir():
+        msg = f"{target}: the folder {folder} does not exist"
+        raise FileNotFoundError(msg)
+    if not os.access(folder, os.W_OK):
+        msg = f"{target}: no permission to write to the folder {folder}"
+        raise PermissionError(msg)
+    return target
+
+
+def _default_title(rec: Reconstruction) -> str:
+    where = "" if rec.ambient_dim is None else f" in R^{rec.ambient_dim}"
+    return f"A {rec.dim}-manifold from {rec.num_samples:,} samples{where}"
+
+
+def _page(rec: Reconstruction, title: str, command: str | None) -> str:
+    library = load("plotly.offline", "plot").get_plotlyjs()
+    version = load("plotly.offline", "plot").get_plotlyjs_version()
+    size = (
+        f"This file needs no network. Of its size {len(library.encode()) / 1e6:.1f} MB "
+        f"are plotly.js {text(version)} (MIT licence), which draws the picture."
+    )
+    links = " · ".join(
+        f'<a href="#{name}">{text(words)}</a>' for name, words in parts.contents()
+    )
+    return "\n".join(
+        [
+            "<!DOCTYPE html>",
+            '<html lang="en">',
+            "<head>",
+            '<meta charset="utf-8">',
+            f'<meta http-equiv="Content-Security-Policy" content="{text(POLICY)}">',
+            '<meta name="viewport" content="width=device-width, initial-scale=1">',
+            '<link rel="icon" href="data:,">',
+            f"<title>{text(title)}</title>",
+            f"<style>\n{_resource('report_page.css')}</style>",
+            "</head>",
+            "<body>",
+            f"<header><h1>{text(title)}</h1>",
+            f'<p class="faint">{text(_default_title(rec))}, by remanifold.</p>',
+            f'<nav aria-label="Sections" class="faint">{links}</nav></header>',
+            "<main>",
+            parts.verdict(rec),
+            _picture(rec),
+            '<div class="columns"><div>',
+            parts.topology(rec),
+            "</div><div>",
+            parts.repair(rec),
+            "</div></div>",
+            parts.histograms(rec),
+            parts.doubt(rec),
+            parts.how(rec, command),
+            "</main>",
+            f"<footer>{size}</footer>",
+            f"<script>{library}</script>",
+            f"<script>\n{_resource('report_page.js')}</script>",
+            "</body>",
+            "</html>",
+            "",
+        ]
+    )
+
+
+def _resource(name: str) -> str:
+    return resources.files("remanifold.page").joinpath(name).read_text(encoding="utf-8")
+
+
+def _picture(rec: Reconstruction) -> str:
+    """The complex as it can be turned, the ways to color it, and what is not shown."""
+    placed = embed(rec)
+    figure, caption = _figure(rec, placed, None)
+    looks: list[dict[str, Any]] = [{"name": "plain", "traces": {}}]
+    for color in COLORS:
+        if (color == "quality" and rec.dim < 2) or len(rec.simplices) == 0:
+            continue
+        if color == "component" and rec.topology().components < 2:
+            continue
+        if color == "doubtful" and rec.quality.ok:
+            continue
+        looks.append(
+            {"name": _words(color), "traces": _changes(rec, placed, color, figure)}
+        )
+    options = "".join(f"<option>{text(look['name'])}</option>" for look in looks)
+    chooser = (
+        '<div class="controls"><label for="color">Color</label>'
+        f'<select id="color">{options}</select></div>'
+    )
+    content = json.dumps({**figure, "looks": looks})
+    what = f"Interactive picture of the complex. {' '.join(caption)}"
+    note = ". ".join([*caption, "Drag to turn, scroll or pinch to come closer"])
+    return (
+        '<section aria-labelledby="picture-of-it">\n'
+        '<h2 id="picture-of-it">The complex</h2>\n'
+        f"{chooser}\n"
+        '<figure class="picture">\n'
+        f'<div id="picture" role="img" aria-label="{text(what)}"></div>\n'
+        f"<figcaption>{text(note)}.</figcaption>\n"
+        "<noscript><p>The picture needs JavaScript.</p></noscript>\n"
+        "</figure>\n"
+        f'<script type="application/json" id="figure">{json_text(content)}</script>\n'
+        "</section>"
+    )
+
+
+def _words(color: str) -> str:
+    return {"quality": "shape quality", "doubtful": "in doubt"}.get(
+        color, color.replace("_", " ")
+    )
+
+
+def _figure(
+    rec: Reconstruction, placed: Embedding, color: str | None
+) -> tuple[dict[str, Any], list[str]]:
+    """What plotly.js draws, and how it was embedded and coarsened."""
+    load("plotly", "plot")
+    from remanifold.drawing.draw_plotly import figure
+
+    scene = scene_of(
+        rec,
+        color=color,
+        style="auto",
+        placed=placed,
+        show_samples=False,
+        show_doubtful=True,
+        limit=MOST_SHOWN,
+    )
+    caption, scene.caption = scene.caption, []
+    drawn: dict[str, Any] = json.loads(figure(scene, "", None).to_json())
+    return {"data": drawn["data"], "layout": drawn["layout"]}, caption
+
+
+def _changes(
+    rec: Reconstruction, placed: Embedding, color: str, plain: dict[str, Any]
+) -> dict[str, dict[str, Any]]:
+    """What a coloring has other than the plain picture, by trace."""
+    colored, _ = _figure(rec, placed, color)
+    changes = {}
+    for i, (new, old) in enumerate(zip(colored["data"], plain["data"], strict=True)):
+        different = {key: new[key] for key in new if new[key] != old.get(key)}
+        if different:
+            changes[str(i)] = different
+    return changes

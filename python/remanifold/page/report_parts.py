@@ -1,0 +1,305 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Sections of the report page, each as a string of HTML."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import platform
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from remanifold import _core
+from remanifold.complex.measures import angles, edge_ratios, shapes
+from remanifold.complex.topology import simplex_names
+from remanifold.page.html import (
+    bullets,
+    grid_table,
+    histogram,
+    number,
+    paragraph,
+    rows_table,
+    section,
+    text,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from numpy.typing import NDArray
+
+    from remanifold.complex.topology import Topology
+    from remanifold.method.reconstruction import Reconstruction
+
+MOST_SAMPLES = 100  # in a table
+MOST_PLACES = 50
+COORDINATES = 6
+YES_NO = {True: "yes", False: "no"}
+
+
+def verdict(rec: Reconstruction) -> str:
+    """Say whether to trust the result, and why not."""
+    quality = rec.quality
+    kind, word = ("good", "No reason for doubt.")
+    if not quality.ok:
+        kind, word = ("doubt", "In doubt.")
+    said = quality.verdict[:1].upper() + quality.verdict[1:]
+    reasons = [reason.text for reason in quality.reasons]
+    return (
+        f'<div class="verdict {kind}" role="note" aria-label="Verdict">\n'
+        f"<p><strong>{word}</strong> {text(said)}.</p>\n"
+        f"{bullets(reasons[1:]) if len(reasons) > 1 else ''}</div>"
+    )
+
+
+def topology(rec: Reconstruction) -> str:
+    """Say what the complex is."""
+    found = rec.topology()
+    names = simplex_names(rec.dim)
+    over_2, over_3 = "not computed: too many simplices", ""
+    if found.homology_is_cheap:
+        over_2 = _list(found.betti_numbers)
+        over_3 = _list(found.betti_numbers_mod3)
+    rows: list[tuple[str, object]] = [
+        (name, f"{count:,}")
+        for name, count in zip(names, found.num_simplices, strict=True)
+    ]
+    rows += [
+        ("Euler characteristic", f"{found.euler_characteristic:,}"),
+        ("components", f"{found.components:,}"),
+        ("Betti numbers over Z2", over_2),
+        *([("Betti numbers over Z3", over_3)] if over_3 else []),
+        ("manifold", YES_NO[found.manifold]),
+        ("closed", YES_NO[found.closed]),
+        ("orientable", YES_NO[found.orientable]),
+        *([("homeomorphic to", name)] if (name := kind_of(found)) else []),
+        ("boundary components", f"{found.boundary_components:,}"),
+        ("singular vertices", f"{len(found.singular_vertices):,}"),
+    ]
+    by_number = (f"{faces:,} in {n:,}" for n, faces in found.coface_counts.items())
+    rows.append((f"{names[-2]} by {names[-1]}", ", ".join(by_number)))
+    return section("topology", "Topology", rows_table("Topology", rows))
+
+
+def kind_of(found: Topology) -> str:
+    """Name a connected curve or surface that is a manifold; nothing of others."""
+    if not found.manifold or found.components != 1 or found.dim > 2:
+        return ""
+    if found.dim == 1:
+        return "a closed curve" if found.closed else "an arc"
+    holes = found.boundary_components
+    euler = found.euler_characteristic + holes  # with discs sewn in
+    if found.orientable:
+        genus = (2 - euler) // 2
+        shape = {0: "a sphere", 1: "a torus"}.get(genus, f"a surface of genus {genus}")
+    else:
+        caps = 2 - euler
+        shape = {1: "a projective plane", 2: "a Klein bottle"}.get(
+            caps, f"a sphere with {caps} cross-caps"
+        )
+    named = {(True, 2, 1): "a disc", (True, 2, 2): "an annulus"}
+    named |= {(False, 1, 1): "a Möbius band"}
+    if holes == 0:
+        return shape
+    less = f"{shape} less {'a disc' if holes == 1 else f'{holes:,} discs'}"
+    return named.get((found.orientable, euler, holes), less)
+
+
+def repair(rec: Reconstruction) -> str:
+    """Say what was disputed and mended, and what is left."""
+    found = rec.repair
+    *_, faces, simplices = simplex_names(rec.dim)
+    rows: list[tuple[str, object]] = []
+    if rec.method == "manifold":
+        rows += [
+            (f"agreed {simplices}", f"{found.num_agreed:,}"),
+            (f"disputed {simplices}", f"{len(found.disputed_simplices):,}"),
+            (f"filled {simplices}", f"{len(found.filled_simplices):,}"),
+            ("cavities filled", f"{found.num_cavities:,}"),
+            ("of these linear programs", f"{found.num_programs:,}"),
+            ("of these integer programs", f"{found.num_integer_programs:,}"),
+            ("without a solution", f"{found.num_unsolved:,}"),
+            ("samples put back", f"{len(found.inserted_vertices):,}"),
+            ("hole radius, in local scales", number(found.hole_radius)),
+        ]
+    else:
+        rows.append((f"{simplices} in no star", f"{len(found.unstarred_simplices):,}"))
+    rows += [
+        ("unused samples", f"{len(found.unused_vertices):,}"),
+        ("copies merged", f"{found.merged_samples:,}"),
+        ("outliers left out", f"{len(rec.outliers):,}"),
+        (f"open {faces}", f"{len(found.open_faces):,}"),
+        ("boundary components", f"{found.num_boundary_components:,}"),
+        ("holes", f"{found.num_holes:,}"),
+        (f"callous {faces}", f"{len(found.callous_faces):,}"),
+    ]
+    left = found.remaining()
+    parts = [rows_table("What repair did", rows)]
+    if left:
+        parts.append("<h3>Left to mend</h3>")
+        if len(left) > MOST_PLACES:
+            parts.append(
+                paragraph(f"The first {MOST_PLACES} of {len(left):,}.", "faint")
+            )
+        shown = [(what, _list(place)) for what, place in left[:MOST_PLACES]]
+        parts.append(grid_table("Left to mend", ("what", "vertices"), shown))
+    else:
+        parts.append(paragraph("Nothing is left to mend."))
+    return section("repair", "What repair did", *parts)
+
+
+def histograms(rec: Reconstruction) -> str:
+    """Draw how samples and simplices are spread."""
+    quality = rec.quality
+    own = rec.representatives == np.arange(rec.num_samples)
+    own[rec.outliers] = False
+    charts = [
+        histogram("spacing of the samples", quality.spacing[own]),
+        histogram("sampling ratio: spacing over reach", quality.sampling_ratio[own]),
+        histogram("tangent confidence", quality.tangent_confidence[own]),
+    ]
+    if len(rec.simplices) and rec.dim == 1:
+        charts.append(histogram("shorter over longer edge", edge_ratios(rec)))
+    elif len(rec.simplices):
+        names = simplex_names(rec.dim)
+        kind = "angles" if rec.dim == 2 else "dihedral angles"
+        charts += [
+            histogram(f"{kind} of the {names[-1]}", angles(rec), "degrees"),
+            histogram(f"shape quality of the {names[-1]}", shapes(rec)),
+        ]
+    grid = "\n".join(charts)
+    body = f'<div class="charts">\n{grid}\n</div>' if grid.strip() else ""
+    note = "Dashed: the median."
+    if rec.dim > 1:
+        note += " Shape quality is 1 for a regular simplex and 0 for a flat one."
+    return section(
+        "histograms", "Spacing, angles, shapes", body, paragraph(note, "faint")
+    )
+
+
+def doubt(rec: Reconstruction) -> str:
+    """List the samples in doubt and the outliers."""
+    doubtful = np.flatnonzero(rec.quality.doubtful)
+    return section(
+        "doubt",
+        "Samples in doubt",
+        _samples(rec, doubtful, "samples in doubt", with_reasons=True)
+        or paragraph("None."),
+    ) + section(
+        "outliers",
+        "Outliers and noise",
+        _samples(rec, rec.outliers, "outliers", with_reasons=False)
+        or paragraph("No sample was left out as an outlier."),
+        rows_table("Noise", _noise(rec)),
+    )
+
+
+def _noise(rec: Reconstruction) -> Iterator[tuple[str, object]]:
+    yield "noise, in spacings", number(rec.quality.noise)
+    smoothing = rec.smoothing
+    if smoothing is None:
+        yield "smoothing", "not asked for"
+        return
+    yield "noise, in the unit of the samples", number(smoothing.noise)
+    yield "error of prediction", number(smoothing.prediction_error)
+    if smoothing.moved:
+        yield "smoothed by", f"fits to {smoothing.num_neighbors:,} neighbors"
+        yield "rounds", smoothing.rounds
+    else:
+        yield "smoothing", "no sample was moved"
+
+
+def _samples(
+    rec: Reconstruction, which: NDArray[np.integer], what: str, *, with_reasons: bool
+) -> str:
+    if len(which) == 0:
+        return ""
+    shown = which[:MOST_SAMPLES]
+    samples = rec.samples
+    head = ["sample"]
+    columns: list[list[object]] = [[f"{i:,}" for i in shown.tolist()]]
+    if samples is not None:
+        head.append("coordinates")
+        columns.append([_coordinates(samples[i]) for i in shown])
+    if with_reasons:
+        head.append("reason")
+        columns.append(list(_reasons(rec, shown)))
+    note = f"{what.capitalize()}: {len(which):,}"
+    if len(which) > len(shown):
+        note = f"The first {len(shown)} of {len(which):,} {what}"
+    return paragraph(f"{note}.", "faint") + grid_table(
+        what, head, zip(*columns, strict=True)
+    )
+
+
+def _reasons(rec: Reconstruction, which: NDArray[np.integer]) -> Iterator[str]:
+    stands_for = rec.representatives[which]
+    named = [
+        (reason.text, np.isin(stands_for, reason.samples))
+        for reason in rec.quality.reasons
+    ]
+    for place in range(len(which)):
+        yield "; ".join(words for words, there in named if there[place])
+
+
+def _coordinates(point: NDArray[np.float64]) -> str:
+    numbers = ", ".join(f"{c:.5g}" for c in point[:COORDINATES])
+    return numbers + (", ..." if len(point) > COORDINATES else "")
+
+
+def _list(numbers: tuple[int, ...]) -> str:
+    return ", ".join(f"{n:,}" for n in numbers)
+
+
+def how(rec: Reconstruction, command: str | None) -> str:
+    """Say how the result was made: timings, parameters, versions, command."""
+    seconds = [(step.replace("_", " "), number(t)) for step, t in rec.timings.items()]
+    total = math.fsum(rec.timings.values())
+    parameters: list[tuple[str, object]] = [
+        ("dimension K", rec.dim),
+        ("given as", {"points": f"points in R^{rec.ambient_dim}"}.get(*_kind(rec))),
+        ("samples", f"{rec.num_samples:,}"),
+        ("method", rec.method),
+        ("estimator of tangent spaces", rec.estimator),
+        ("neighbors per sample", rec.num_neighbors),
+        *([("edges", rec.edge_rule)] if rec.edge_rule else []),
+        ("search", rec.search),
+        *([("recall of the search", f"{rec.recall:.3f}")] if rec.recall < 1 else []),
+    ]
+    versions = [
+        ("remanifold", _core.__version__),
+        ("NumPy", np.__version__),
+        ("Python", platform.python_version()),
+        ("platform", platform.platform()),
+    ]
+    halves = "\n".join(
+        f"<div><h3>{heading}</h3>\n{rows_table(heading, rows)}</div>"
+        for heading, rows in (
+            ("Parameters", parameters),
+            ("Seconds", [*seconds, ("together", number(total))]),
+            ("Versions", versions),
+        )
+    )
+    run = ""
+    if command is not None:
+        run = f"<h3>Command</h3>\n<pre><code>{text(command)}</code></pre>"
+    return section(
+        "how", "How it was made", f'<div class="columns">\n{halves}\n</div>', run
+    )
+
+
+def _kind(rec: Reconstruction) -> tuple[str, str]:
+    kind = rec._source[0]
+    return kind, {"gram": "inner products"}.get(kind, kind)
+
+
+def contents() -> Iterator[tuple[str, str]]:
+    """Name the sections that can be jumped to."""
+    return iter(
+        itertools.chain(
+            [("picture-of-it", "Picture"), ("topology", "Topology")],
+            [("repair", "Repair"), ("histograms", "Histograms")],
+            [("doubt", "Doubt"), ("outliers", "Outliers"), ("how", "How")],
+        )
+    )
