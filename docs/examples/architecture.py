@@ -56,7 +56,7 @@ def first_sentence(path):
     """What a file says it is."""
     text = path.read_text(encoding="utf-8")
     if path.suffix == ".py":
-        match = re.search(r'"""(.*?)"""', text, re.S)
+        match = re.search(r'"""(.*?)"""', text, re.DOTALL)
         header = match[1] if match else ""
     else:
         lines = text.splitlines()[1:]
@@ -127,8 +127,10 @@ def with_tables(text):
 def box(x, y, width, height, title, words, kind):
     middle = x + width / 2
     return [
-        f'<rect class="{kind}" x="{x}" y="{y}" width="{width}" height="{height}" '
-        'rx="6"/>',
+        (
+            f'<rect class="{kind}" x="{x}" y="{y}" width="{width}" height="{height}" '
+            'rx="6"/>'
+        ),
         f'<text class="title" x="{middle}" y="{y + 21}">{title}</text>',
         f'<text class="words" x="{middle}" y="{y + 38}">{words}</text>',
     ]
@@ -137,8 +139,10 @@ def box(x, y, width, height, title, words, kind):
 def arrow(x1, y1, x2, y2, words, anchor="middle"):
     return [
         f'<line x1="{x1}" y1="{y1}" x2="{x2}" y2="{y2}" marker-end="url(#tip)"/>',
-        f'<text class="flow" x="{(x1 + x2) / 2}" y="{(y1 + y2) / 2 - 6}" '
-        f'text-anchor="{anchor}">{words}</text>',
+        (
+            f'<text class="flow" x="{(x1 + x2) / 2}" y="{(y1 + y2) / 2 - 6}" '
+            f'text-anchor="{anchor}">{words}</text>'
+        ),
     ]
 
 
@@ -155,8 +159,10 @@ def picture():
     )
     words = {**PACKAGE_ROOMS, "sklearn.py": "an estimator"}
     y = 40
-    lines.append('<text class="head" x="20" y="24">python/remanifold: '
-                 "each layer knows those below it</text>")
+    lines.append(
+        '<text class="head" x="20" y="24">python/remanifold: '
+        "each layer knows those below it</text>"
+    )
     for layer in layers:
         span = (len(layer) - 1) * step / 1.4 + box_width
         x = (width - span) / 2
@@ -165,12 +171,20 @@ def picture():
             x += step / 1.4
         y += box_height + 14
     y += 6
-    lines += box((width - 460) / 2, y, 460, box_height, "python/bindings",
-                 "arrays in, arrays out; no algorithm", "border")
+    lines += box(
+        (width - 460) / 2,
+        y,
+        460,
+        box_height,
+        "python/bindings",
+        "arrays in, arrays out; no algorithm",
+        "border",
+    )
     y += box_height + 40
     # Lower half: the core, the data from left to right in two rows.
-    lines.append(f'<text class="head" x="20" y="{y - 10}">cpp/src: the way of the data'
-                 "</text>")
+    lines.append(
+        f'<text class="head" x="20" y="{y - 10}">cpp/src: the way of the data</text>'
+    )
     places = {}
     order = ["input", *(r for r in CORE_ROOMS if r != "base"), "result"]
     order.remove("query")
@@ -210,11 +224,15 @@ def picture():
     )
     return "\n".join(
         [
-            f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" '
-            f'height="{height}" viewBox="0 0 {width} {height}">',
+            (
+                f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" '
+                f'height="{height}" viewBox="0 0 {width} {height}">'
+            ),
             f"<style>{style}</style>",
-            '<defs><marker id="tip" markerWidth="9" markerHeight="8" refX="7" refY="4" '
-            'orient="auto"><path d="M0,0 L8,4 L0,8 z" fill="#20466e"/></marker></defs>',
+            (
+                '<defs><marker id="tip" markerWidth="9" markerHeight="8" refX="7" refY="4" '
+                'orient="auto"><path d="M0,0 L8,4 L0,8 z" fill="#20466e"/></marker></defs>'
+            ),
             f'<rect width="{width}" height="{height}" style="fill:#fff;stroke:none"/>',
             *lines,
             "</svg>",

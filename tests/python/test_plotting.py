@@ -156,8 +156,21 @@ def test_geodesics_unroll_a_roll():
     true = abs(np.subtract.outer(np.arange(60.0), np.arange(60.0)))
     assert abs(away - true).max() < 0.06 * 60
     assert np.linalg.norm(rolled[0] - rolled[59]) < 0.3 * 60
-    assert found.kept > 0.95
+    # What bends the paths has no place in the plane: 4 to 6 % of the variance.
+    assert 0.94 < found.kept < 0.96
     assert found.label.startswith("Geodesic distances from 100 landmarks")
+
+
+def test_rounding_does_not_choose_the_landmarks():
+    """On a grid many vertices are equally far; last bits differ between releases."""
+    flat, triangles = grid(6, 30)
+    kept = {
+        rm.embed(
+            rm.SimplicialComplex(lifted(flat, 7, seed), triangles), "geodesic"
+        ).kept
+        for seed in range(4)
+    }
+    assert max(kept) - min(kept) < 1e-9
 
 
 def test_auto_takes_what_keeps_the_edges_better(rotations):

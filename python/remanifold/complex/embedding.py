@@ -22,6 +22,7 @@ METHODS = ("auto", "pca", "geodesic")
 ENOUGH = 0.95  # of the variance: PCA then needs no rival
 MOST_LANDMARKS, LEAST_LANDMARKS = 100, 20
 LANDMARK_WORK = 2_000_000  # vertices times landmarks
+TIE = 1e-9  # relative difference of distances below which they count as the same
 EXACT_PCA = 2_000  # rows or columns up to which all eigenvalues are computed
 
 
@@ -268,12 +269,17 @@ def _geodesic(
     return Embedding(points, "geodesic", label, min(kept, 1.0))
 
 
+def _farthest(distances: NDArray[np.float64]) -> int:
+    """The lowest index of those farthest away: ties, as on grids, are not for rounding."""
+    return int(np.argmax(distances >= (1 - TIE) * distances.max()))
+
+
 def _scale_component(
     graph: _Graph, own: NDArray[np.intp], landmarks: int
 ) -> tuple[NDArray[np.float64], float]:
     """Landmark classical scaling: each landmark is the vertex farthest from the others."""
     # The first stands at an end, whatever vertex has the lowest index.
-    farthest = int(np.argmax(_distances_from(graph, int(own[0]))[own]))
+    farthest = _farthest(_distances_from(graph, int(own[0]))[own])
     rows: list[NDArray[np.float64]] = []
     chosen: list[int] = []
     nearest = np.full(len(own), np.inf)
@@ -281,7 +287,7 @@ def _scale_component(
         chosen.append(farthest)
         rows.append(_distances_from(graph, int(own[farthest]))[own])
         nearest = np.minimum(nearest, rows[-1])
-        farthest = int(np.argmax(nearest))
+        farthest = _farthest(nearest)
         if nearest[farthest] == 0:
             break
     squared = np.array(rows) ** 2

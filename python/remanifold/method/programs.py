@@ -8,13 +8,19 @@ Mathematical Programming Computation 10, 2018; MIT licence.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import highspy
 import numpy as np
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+_INTERRUPTS = (
+    highspy.cb.HighsCallbackType.kCallbackSimplexInterrupt,
+    highspy.cb.HighsCallbackType.kCallbackIpmInterrupt,
+    highspy.cb.HighsCallbackType.kCallbackMipInterrupt,
+)
 
 # Counted, not timed: the same input gives the same result on any machine.
 MAX_NODES = 200
@@ -68,21 +74,34 @@ def solve_program(
             highspy.HighsVarType.kInteger if i else highspy.HighsVarType.kContinuous
             for i in integral
         ]
-    solver = highspy.Highs()
-    solver.setOptionValue("output_flag", False)
+    solver = _silent_solver()
     solver.setOptionValue("threads", 1)
     solver.setOptionValue("mip_max_nodes", MAX_NODES)
     solver.setOptionValue("mip_rel_gap", 1e-9)
 
-    def stop_if_cancelled(event: highspy.HighsCallbackEvent) -> None:
-        if cancelled():
-            event.interrupt()
+    def stop_if_cancelled(
+        _kind: Any, _message: str, _out: Any, into: Any, _: Any
+    ) -> None:
+        if into is not None and cancelled():
+            into.user_interrupt = True
 
-    solver.cbSimplexInterrupt += stop_if_cancelled
-    solver.cbIpmInterrupt += stop_if_cancelled
-    solver.cbMipInterrupt += stop_if_cancelled
+    solver.setCallback(stop_if_cancelled, None)
+    for kind in _INTERRUPTS:
+        solver.startCallback(kind)
     solver.passModel(program)
     solver.run()
     if solver.getInfo().primal_solution_status != 2:  # feasible
         return np.empty(0)
     return np.array(solver.getSolution().col_value)
+
+
+def _silent_solver() -> Any:
+    """Make a solver that has never been able to print.
+
+    `highspy.Highs` hands its callbacks over as it is made, and HiGHS 1.16 greets on
+    standard output at the first such call, before anybody can switch its output off. Its
+    base class is the same solver without that.
+    """
+    solver = highspy._Highs()  # type: ignore[attr-defined]
+    solver.setOptionValue("output_flag", False)
+    return solver
