@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Style, types, and the rules of the house that a machine can hold.
-# Usage: lint.sh BIN, the directory of ruff, mypy and clang-format
+# Usage: lint.sh BIN, the directory of ruff, mypy, import-linter and clang-format
 set -uo pipefail
 
 bin=$1
@@ -34,12 +34,17 @@ mapfile -t not_flann < <(sources cpp tests/cpp | grep -v -e '^cpp/cmake/' \
 mapfile -t not_cgal < <(sources cpp tests/cpp | grep -v -e '^cpp/cmake/' \
   -e 'CMakeLists' -e '^cpp/src/local/convex_hull_[^/]*\.cpp$' \
   -e '^cpp/src/chain/candidates\.cpp$')
+mapfile -t below < <(sources 'python/remanifold/*.py' |
+  grep -v -e '^python/remanifold/cli/' -e '^python/remanifold/__init__\.py$')
 mapfile -t unlicensed < <(sources '*.cpp' '*.hpp' '*.py' '*.pyi' '*.sh' '*.cmake' \
   '*CMakeLists.txt' Makefile | xargs grep -L 'SPDX-License-Identifier: GPL-3.0-or-later')
 
 check "ruff check" "$bin/ruff" check .
 check "ruff format" "$bin/ruff" format --check .
 check "mypy" "$bin/mypy"
+check "layers of the package" env PYTHONPATH=python "$bin/lint-imports" --no-logo --no-cache
+forbid "nobody below the command line asks the front of the package" \
+  '^ *(import remanifold( as|$)|from remanifold import [^_])' -- "${below[@]}"
 check "clang-format" "$bin/clang-format" --dry-run -Werror "${cpp[@]}"
 forbid "no Python in the core" 'pybind11|Python\.h' -- "${core[@]}"
 forbid "FLANN only in its adapter" '#include *[<"]flann' -- "${not_flann[@]}"

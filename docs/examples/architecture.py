@@ -31,11 +31,12 @@ CORE_ROOMS = {
 PACKAGE_ROOMS = {
     "_base": "checks, options, inputs",
     "complex": "complexes and what to ask",
-    "method": "the steps, and all in one",
+    "method": "the steps, one by one",
     "judging": "how far to trust a result",
-    "io": "files in and out",
+    "formats": "files, others' objects",
     "drawing": "pictures",
     "page": "the report page",
+    "results": "the classes, and reconstruct",
     "datasets": "sampled manifolds",
     "cli": "the command line",
 }
@@ -152,12 +153,13 @@ def picture():
     lines = []
     # Upper half: the package, from the command line down to the bindings.
     layers = (
-        ("cli", "sklearn.py", "datasets"),
-        ("page", "drawing", "io"),
+        ("cli", "sklearn.py", "io.py"),
+        ("results",),
+        ("page", "drawing", "formats"),
         ("judging", "method", "complex"),
-        ("_base",),
+        ("_base", "datasets"),
     )
-    words = {**PACKAGE_ROOMS, "sklearn.py": "an estimator"}
+    words = {**PACKAGE_ROOMS, "sklearn.py": "an estimator", "io.py": "reading, writing"}
     y = 40
     lines.append(
         '<text class="head" x="20" y="24">python/remanifold: '

@@ -17,19 +17,17 @@ except ImportError as error:
     )
     raise ImportError(_HINT) from error
 
-from remanifold import datasets, io
+from remanifold import datasets, interoperability, io
 from remanifold.complex.embedding import Embedding, embed
 from remanifold.complex.graphs import edge_graph
-from remanifold.complex.parts import Subcomplex
 from remanifold.complex.projection import PointsOnComplex, Projection
-from remanifold.complex.simplicial_complex import SimplicialComplex
 from remanifold.complex.topology import Topology, compute_topology
 from remanifold.drawing.plotting import plot
 from remanifold.judging.quality import Quality, Reason
 from remanifold.judging.singularities import Place, Singularities, find_singularities
 from remanifold.method.cleaning import Smoothing, find_outliers, smooth
 from remanifold.method.dimension import DimensionEstimate, estimate_dimension
-from remanifold.method.reconstruction import Reconstruction, Repair, reconstruct
+from remanifold.method.result import Repair
 from remanifold.method.steps import (
     EdgeSets,
     LocalRegions,
@@ -43,6 +41,9 @@ from remanifold.method.steps import (
     tangent_spaces,
 )
 from remanifold.page.report_page import write_report
+from remanifold.results.reconstruct import reconstruct
+from remanifold.results.reconstruction import Reconstruction
+from remanifold.results.simplicial_complex import SimplicialComplex, Subcomplex
 from remanifold.warnings import (
     DimensionWarning,
     FileWarning,
@@ -88,6 +89,7 @@ __all__ = [
     "estimate_dimension",
     "find_outliers",
     "find_singularities",
+    "interoperability",
     "io",
     "local_regions",
     "neighborhoods",

@@ -26,13 +26,14 @@ from remanifold.method.dimension import (
     estimate_dimension,
     low_confidence,
 )
-from remanifold.method.reconstruction import Reconstruction, reconstruct
+from remanifold.results.reconstruct import reconstruct
 from remanifold.warnings import DimensionWarning, ManifoldWarning
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from remanifold.complex.projection import Projection
+    from remanifold.results.reconstruction import Reconstruction
 
 __all__ = ["ManifoldReconstruction"]
 

@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial.distance import cdist
 
 import remanifold as rm
-from remanifold.method.reconstruction import METHODS
+from remanifold.results.reconstruct import METHODS
 
 # Samples of nothing in particular, where the result must lack something.
 pytestmark = pytest.mark.filterwarnings("ignore::remanifold.ManifoldWarning")

@@ -15,10 +15,8 @@ import pytest
 import trimesh
 
 import remanifold as rm
+from remanifold.formats import _mesh, _source, _stl
 from remanifold.io import (
-    _mesh,
-    _source,
-    _stl,
     read_complex,
     read_fields,
     read_points,

@@ -611,14 +611,14 @@ def test_an_error_of_the_solver_comes_out(monkeypatch):
     def fail(*_):
         raise RuntimeError("no licence")
 
-    monkeypatch.setattr("remanifold.method.reconstruction.solve_program", fail)
+    monkeypatch.setattr("remanifold.results.reconstruct.solve_program", fail)
     with pytest.raises(RuntimeError, match="no licence"):
         rm.reconstruct(np.random.default_rng(0).normal(size=(300, 4)), 2)
 
 
 def test_programs_without_a_solution_are_warned_of(monkeypatch):
     monkeypatch.setattr(
-        "remanifold.method.reconstruction.solve_program", lambda *_: np.empty(0)
+        "remanifold.results.reconstruct.solve_program", lambda *_: np.empty(0)
     )
     points = np.random.default_rng(0).normal(size=(300, 4))
     with pytest.warns(

@@ -16,7 +16,7 @@ import pytest
 from scipy.spatial.distance import cdist
 
 import remanifold as rm
-from remanifold.method.reconstruction import METHODS
+from remanifold.results.reconstruct import METHODS
 
 STEPS = [
     *("prepare", "neighborhoods", "outliers", "tangent_spaces", "local_regions"),

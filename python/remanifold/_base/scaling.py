@@ -12,8 +12,6 @@ from remanifold._base.validation import check_matrix, check_values
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from remanifold.complex.simplicial_complex import SimplicialComplex
-
 
 class ClassicalScaling(NamedTuple):
     """An isometric embedding about the centroid of the samples (classical scaling)."""
@@ -49,11 +47,10 @@ def classical_scaling(kind: str, matrix: NDArray[np.float64]) -> ClassicalScalin
 
 
 def place_by_products(
-    complex_: SimplicialComplex, products: ArrayLike, squared_norms: ArrayLike
+    scaling: ClassicalScaling, products: ArrayLike, squared_norms: ArrayLike
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Coordinates of points with these inner products, and what they leave out."""
-    scaling = complex_._scaling
-    table = check_matrix(products, "products", complex_.num_vertices)
+    table = check_matrix(products, "products", len(scaling.coordinates))
     norms = check_values(squared_norms, "squared_norms", len(table), ndim=1)
     means = table.mean(axis=1)
     about_centroid = table - means[:, None] - scaling.row_means[None, :] + scaling.mean
@@ -61,11 +58,10 @@ def place_by_products(
 
 
 def place_by_distances(
-    complex_: SimplicialComplex, distances: ArrayLike
+    scaling: ClassicalScaling, distances: ArrayLike
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Coordinates of points at these distances, and what they leave out."""
-    scaling = complex_._scaling
-    table = check_matrix(distances, "distances", complex_.num_vertices)
+    table = check_matrix(distances, "distances", len(scaling.coordinates))
     if (table < 0).any():
         row, column = (int(i) for i in np.argwhere(table < 0)[0])
         msg = f"distances[{row}, {column}] is {table[row, column]}, expected 0 or more"

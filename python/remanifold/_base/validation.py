@@ -491,15 +491,6 @@ def _check_hermitian(matrix: NDArray[Any], name: str) -> None:
         raise ValueError(msg)
 
 
-def check_complex(value: Any, name: str = "complex") -> None:
-    """Refuse what is no complex in space."""
-    from remanifold.complex.simplicial_complex import SimplicialComplex
-
-    if not isinstance(value, SimplicialComplex):
-        msg = f"{name} must be a SimplicialComplex, got {type(value).__name__}"
-        raise TypeError(msg)
-
-
 def check_vertex_values(
     values: ArrayLike, name: str, num_vertices: int
 ) -> NDArray[np.float64]:

@@ -15,9 +15,9 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from remanifold.io._source import is_standard
-from remanifold.io.reading import READERS
-from remanifold.io.writing import WRITERS
+from remanifold.formats._source import is_standard
+from remanifold.formats.reading import READERS
+from remanifold.formats.writing import WRITERS
 
 
 def messages_console() -> Console:

@@ -11,8 +11,8 @@ import typer
 
 from remanifold._base.validation import check_int, check_positive
 from remanifold.cli._common import choice
-from remanifold.method.reconstruction import METHODS
 from remanifold.method.steps import EDGE_RULES, ESTIMATORS, SEARCHES
+from remanifold.results.reconstruct import METHODS
 
 BOUNDARIES: dict[str, str | bool] = {"auto": "auto", "closed": False}
 

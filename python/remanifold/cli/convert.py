@@ -22,11 +22,11 @@ from remanifold.cli._common import (
     split_formats,
 )
 from remanifold.complex.topology import simplex_names
+from remanifold.formats._mesh import FileMesh, choose_simplices, without_degenerate
+from remanifold.formats._source import described, is_standard, suffix_of
+from remanifold.formats.reading import read_file
+from remanifold.formats.writing import FIELD_WRITERS, MESH_WRITERS, WRITERS
 from remanifold.io import write_mesh, write_points
-from remanifold.io._mesh import FileMesh, choose_simplices, without_degenerate
-from remanifold.io._source import described, is_standard, suffix_of
-from remanifold.io.reading import read_file
-from remanifold.io.writing import FIELD_WRITERS, MESH_WRITERS, WRITERS
 
 EPILOG = examples(
     "remanifold convert mesh.ply mesh.vtu",

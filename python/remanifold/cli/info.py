@@ -26,9 +26,9 @@ from remanifold.cli._common import (
     split_formats,
 )
 from remanifold.complex.topology import simplex_names
-from remanifold.io._mesh import FileMesh, choose_simplices, without_degenerate
-from remanifold.io._source import Source
-from remanifold.io.reading import read_file
+from remanifold.formats._mesh import FileMesh, choose_simplices, without_degenerate
+from remanifold.formats._source import Source
+from remanifold.formats.reading import read_file
 
 EPILOG = examples(
     "remanifold info scan.laz",

@@ -25,9 +25,9 @@ from remanifold.cli._common import (
     timed,
 )
 from remanifold.complex.topology import simplex_names
+from remanifold.formats._source import is_standard, suffix_of
+from remanifold.formats.writing import FIELD_WRITERS, POINT_WRITERS
 from remanifold.io import read_complex, read_points, write_points
-from remanifold.io._source import is_standard, suffix_of
-from remanifold.io.writing import FIELD_WRITERS, POINT_WRITERS
 
 EPILOG = examples(
     "remanifold project mesh.ply points.csv -o nearest.npz",

@@ -45,9 +45,9 @@ from remanifold.cli._options import (
 from remanifold.cli._reconstructing import reconstruct_file
 from remanifold.cli.dimension import dim_report
 from remanifold.complex.topology import simplex_names
+from remanifold.formats._source import is_standard
+from remanifold.formats.writing import holds_fields
 from remanifold.io import check_output, write_mesh
-from remanifold.io._source import is_standard
-from remanifold.io.writing import holds_fields
 
 EPILOG = examples(
     "remanifold reconstruct scan.ply --dim 2 -o mesh.ply",

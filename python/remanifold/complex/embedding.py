@@ -10,13 +10,14 @@ import numpy as np
 
 from remanifold import _core
 from remanifold._base.read_only import ReadOnlyArrays
-from remanifold._base.validation import check_choice, check_complex
+from remanifold._base.validation import check_choice
+from remanifold.complex.data import check_complex
 from remanifold.complex.measures import edge_lengths
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from remanifold.complex.simplicial_complex import SimplicialComplex
+    from remanifold.complex.data import ComplexData
 
 METHODS = ("auto", "pca", "geodesic")
 ENOUGH = 0.95  # of the variance: PCA then needs no rival
@@ -50,7 +51,7 @@ class Embedding(ReadOnlyArrays):
     kept: float
 
 
-def embed(complex: SimplicialComplex, method: str = "auto") -> Embedding:
+def embed(complex: ComplexData, method: str = "auto") -> Embedding:
     """Find three coordinates for a complex in more dimensions.
 
     Parameters
@@ -148,7 +149,7 @@ def _signs(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _pca(
-    points: NDArray[np.float64], used: NDArray[np.bool_], complex: SimplicialComplex
+    points: NDArray[np.float64], used: NDArray[np.bool_], complex: ComplexData
 ) -> Embedding:
     """Axes of the vertices in simplices, so that no outlier turns them."""
     size = float(np.abs(points).max()) or 1.0  # squares neither overflow nor vanish
@@ -238,7 +239,7 @@ def _distances_from(graph: _Graph, source: int) -> NDArray[np.float64]:
 
 
 def _geodesic(
-    complex: SimplicialComplex,
+    complex: ComplexData,
     edges: NDArray[np.int32],
     lengths: NDArray[np.float64],
 ) -> Embedding:

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from remanifold._base.validation import check_choice, check_index_array
+from remanifold.complex import parts
+from remanifold.complex.data import ComplexData
 from remanifold.complex.graphs import edge_graph, edge_lengths
-from remanifold.complex.projection import edge_triangles
+from remanifold.complex.projection import edge_triangles, simplex_volumes
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
-
-    from remanifold.complex.simplicial_complex import SimplicialComplex
 
 METHODS = ("auto", "graph", "heat", "exact")
 # Smallest singular value of a simplex that has gradients, over its largest.
@@ -24,21 +24,19 @@ _Solver: TypeAlias = Callable[[int], "NDArray[np.float64]"]
 
 
 def geodesic_distances(
-    complex_: SimplicialComplex, sources: ArrayLike, method: str = "auto"
+    complex_: ComplexData, sources: ArrayLike, method: str = "auto"
 ) -> NDArray[np.float64]:
     """Distances, as `SimplicialComplex.geodesic_distances` describes them."""
     check_choice(method, "method", METHODS)
     indices = _check_sources(complex_, sources)
     if complex_.vertices is None:
-        from remanifold.complex.simplicial_complex import SimplicialComplex as Placed
-
-        complex_ = Placed(complex_.coordinates, complex_.simplices)
+        complex_ = ComplexData(complex_.coordinates, complex_.simplices)
     if method == "auto":
         method = "graph" if complex_.dim < 2 else "heat"
     if method == "graph" or complex_.dim < 2:  # edges are all that there is
         return _along_edges(complex_, indices)
     surface_in_space = complex_.dim == 2 and (complex_.ambient_dim or 9) <= 3
-    make: Callable[[SimplicialComplex], _Solver]
+    make: Callable[[ComplexData], _Solver]
     if method == "exact":
         if not surface_in_space:
             msg = (
@@ -52,7 +50,7 @@ def geodesic_distances(
     distances = np.full((len(indices), complex_.num_vertices), np.inf)
     labels = complex_.component_labels()
     wanted = labels[indices]
-    for label, part in enumerate(complex_.components()):
+    for label, part in enumerate(parts.components(complex_)):
         if label not in wanted:
             continue
         solve = make(part)
@@ -63,9 +61,7 @@ def geodesic_distances(
     return distances
 
 
-def _check_sources(
-    complex_: SimplicialComplex, sources: ArrayLike
-) -> NDArray[np.int32]:
+def _check_sources(complex_: ComplexData, sources: ArrayLike) -> NDArray[np.int32]:
     indices: NDArray[np.int32] = check_index_array(
         np.atleast_1d(np.asarray(sources)), "sources", np.int32
     )
@@ -87,7 +83,7 @@ def _check_sources(
 
 
 def _along_edges(
-    complex_: SimplicialComplex, sources: NDArray[np.int32]
+    complex_: ComplexData, sources: NDArray[np.int32]
 ) -> NDArray[np.float64]:
     try:
         from scipy.sparse.csgraph import dijkstra
@@ -101,13 +97,13 @@ def _along_edges(
     return distances
 
 
-def _positions(part: SimplicialComplex) -> NDArray[np.float64]:
+def _positions(part: ComplexData) -> NDArray[np.float64]:
     """Three coordinates."""
     vertices = part.coordinates
     return np.pad(vertices, [(0, 0), (0, 3 - vertices.shape[1])])
 
 
-def _heat_in_space(part: SimplicialComplex) -> _Solver:
+def _heat_in_space(part: ComplexData) -> _Solver:
     """Heat method on the intrinsic Delaunay triangulation, by geometry-central."""
     try:
         import potpourri3d
@@ -128,7 +124,7 @@ def _heat_in_space(part: SimplicialComplex) -> _Solver:
     return solve
 
 
-def _exact(part: SimplicialComplex) -> _Solver:
+def _exact(part: ComplexData) -> _Solver:
     """Exact distances by windows on the edges (Mitchell, Mount, Papadimitriou)."""
     try:
         from pygeodesic.geodesic import PyGeodesicAlgorithmExact
@@ -150,7 +146,7 @@ def _exact(part: SimplicialComplex) -> _Solver:
     return solve
 
 
-def _heat(part: SimplicialComplex) -> _Solver:
+def _heat(part: ComplexData) -> _Solver:
     """Heat method of Crane, Weischedel and Wardetzky on linear elements, for any K, D."""
     try:
         from scipy.sparse import csc_matrix, diags
@@ -206,7 +202,7 @@ def _from_source(potential: NDArray[np.float64], source: int) -> NDArray[np.floa
 
 
 def _gradients(
-    part: SimplicialComplex,
+    part: ComplexData,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Gradients of the barycentric coordinates, (M, K+1, K), and volumes."""
     size, dim = len(part.simplices), part.dim
@@ -215,4 +211,4 @@ def _gradients(
         dual: Any = np.linalg.pinv(triangles, rcond=_FLAT)
         gradients[rows, 1:, : triangles.shape[1]] = dual
     gradients[:, 0] = -gradients[:, 1:].sum(axis=1)
-    return gradients, part.simplex_volumes
+    return gradients, simplex_volumes(part)

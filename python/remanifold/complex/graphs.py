@@ -7,18 +7,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from remanifold._base.validation import check_complex
 from remanifold.complex import measures
+from remanifold.complex.data import check_complex
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from remanifold.complex.simplicial_complex import SimplicialComplex
+    from remanifold.complex.data import ComplexData
 
 __all__ = ["edge_graph"]
 
 
-def edge_graph(complex: SimplicialComplex) -> Any:
+def edge_graph(complex: ComplexData) -> Any:
     """Graph of the edges, with their lengths, as SciPy's graph routines take it.
 
     Parameters
@@ -59,7 +59,7 @@ def edge_graph(complex: SimplicialComplex) -> Any:
     return csr_array((np.tile(lengths, 2), (rows, columns)), shape=shape)
 
 
-def edge_lengths(complex: SimplicialComplex) -> NDArray[np.float64]:
+def edge_lengths(complex: ComplexData) -> NDArray[np.float64]:
     """Lengths of `edges`, in their order."""
     if complex.vertices is None:
         msg = "complex has no coordinates, and so its edges have no known lengths"

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from remanifold.complex.simplicial_complex import SimplicialComplex
+    from remanifold.complex.data import ComplexData
 
 _BLOCK = 50_000  # simplices at a time
 
@@ -43,7 +43,7 @@ def edge_lengths(
 
 
 def _gram_matrices(
-    complex: SimplicialComplex,
+    complex: ComplexData,
 ) -> Iterator[tuple[slice, NDArray[np.float64]]]:
     """Inner products of the edges that leave the first vertex, scaled to trace K."""
     rows = complex.simplices
@@ -62,7 +62,7 @@ def _gram_matrices(
         yield slice(start, start + len(part)), gram / size[:, None, None]
 
 
-def shapes(complex: SimplicialComplex) -> NDArray[np.float64]:
+def shapes(complex: ComplexData) -> NDArray[np.float64]:
     """Shape quality of each simplex, (M,): 1 if regular, 0 if flat.
 
     The volume over that of a regular simplex with the same mean square of the edges, for
@@ -83,7 +83,7 @@ def shapes(complex: SimplicialComplex) -> NDArray[np.float64]:
     return np.minimum(result, 1.0)
 
 
-def angles(complex: SimplicialComplex) -> NDArray[np.float64]:
+def angles(complex: ComplexData) -> NDArray[np.float64]:
     """Angles in degrees between the facets of each simplex, flat ones left out.
 
     Those of the corners of triangles, the dihedral ones of tetrahedra.
@@ -104,7 +104,7 @@ def angles(complex: SimplicialComplex) -> NDArray[np.float64]:
     return np.concatenate(found) if found else np.empty(0)
 
 
-def edge_ratios(complex: SimplicialComplex) -> NDArray[np.float64]:
+def edge_ratios(complex: ComplexData) -> NDArray[np.float64]:
     """Shorter over longer of two edges, at each vertex of a curve that has two."""
     edges = complex.simplices
     lengths = np.sqrt(squared_distances(*complex._source, edges[:, 0], edges[:, 1]))
@@ -118,7 +118,7 @@ def edge_ratios(complex: SimplicialComplex) -> NDArray[np.float64]:
 
 
 def at_vertices(
-    complex: SimplicialComplex, values: NDArray[np.float64]
+    complex: ComplexData, values: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Mean over the simplices of each vertex, NaN where there are none."""
     corners = complex.simplices.ravel()

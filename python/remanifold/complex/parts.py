@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Parts of a complex as complexes of their own."""
+"""Parts of a complex, with the vertices that they use."""
 
 from __future__ import annotations
 
@@ -9,39 +9,27 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from remanifold._base.validation import check_selection
-from remanifold.complex.simplicial_complex import SimplicialComplex
+from remanifold.complex.data import ComplexData
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Subcomplex(SimplicialComplex):
-    """Part of another complex, with the vertices that it uses only.
-
-    Attributes
-    ----------
-    vertices, simplices : ndarray
-        As in `SimplicialComplex`; there may be none.
-    vertex_indices : ndarray, shape (N,), int32
-        Number of each vertex in the complex that this is part of, ascending.
-    """
+class Part(ComplexData):
+    """The data of a `Subcomplex`."""
 
     vertex_indices: NDArray[np.int32] = field(kw_only=True)
 
-    def __post_init__(self) -> None:
-        """Taken from a complex that was checked: nothing to check."""
-        super(SimplicialComplex, self).__post_init__()
 
-
-def take(whole: SimplicialComplex, simplices: NDArray[np.int32]) -> Subcomplex:
+def take(whole: ComplexData, simplices: NDArray[np.int32]) -> Part:
     """The part of a complex that has these simplices."""
     used = np.unique(simplices).astype(np.int32)
     products = None
     if whole._products is not None:
         kind, matrix = whole._products
         products = (kind, np.ascontiguousarray(matrix[np.ix_(used, used)]))
-    return Subcomplex(
+    return Part(
         vertices=None if whole.vertices is None else whole.vertices[used],
         simplices=np.searchsorted(used, simplices).astype(np.int32),
         _products=products,
@@ -49,13 +37,13 @@ def take(whole: SimplicialComplex, simplices: NDArray[np.int32]) -> Subcomplex:
     )
 
 
-def subset(whole: SimplicialComplex, simplices: ArrayLike) -> Subcomplex:
+def subset(whole: ComplexData, simplices: ArrayLike) -> Part:
     """Some simplices, as `SimplicialComplex.subset` describes it."""
     chosen = check_selection(simplices, "simplices", len(whole.simplices))
     return take(whole, whole.simplices[chosen])
 
 
-def components(whole: SimplicialComplex) -> list[Subcomplex]:
+def components(whole: ComplexData) -> list[Part]:
     """Connected components in the order of their labels."""
     if len(whole.simplices) == 0:
         return []
@@ -65,7 +53,7 @@ def components(whole: SimplicialComplex) -> list[Subcomplex]:
     return [take(whole, whole.simplices[rows]) for rows in np.split(order, ends)]
 
 
-def boundary_complex(whole: SimplicialComplex) -> Subcomplex:
+def boundary_complex(whole: ComplexData) -> Part:
     """Faces in one simplex, as `SimplicialComplex.boundary_complex` describes it."""
     if whole.dim == 0:
         msg = "a complex of points has no boundary"

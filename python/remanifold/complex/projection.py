@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from remanifold._base.progress import Callback
-    from remanifold.complex.simplicial_complex import SimplicialComplex
+    from remanifold.complex.data import ComplexData
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +64,7 @@ class Projection(PointsOnComplex):
 
 
 def project(
-    complex_: SimplicialComplex,
+    complex_: ComplexData,
     points: ArrayLike | None = None,
     *,
     products: ArrayLike | None = None,
@@ -91,7 +91,7 @@ def project(
 
 
 def _queries(
-    complex_: SimplicialComplex,
+    complex_: ComplexData,
     points: ArrayLike | None,
     products: ArrayLike | None,
     squared_norms: ArrayLike | None,
@@ -114,20 +114,18 @@ def _queries(
         raise TypeError(msg)
     if kind == "distances":
         assert distances is not None
-        return place_by_distances(complex_, distances)
+        return place_by_distances(complex_._scaling, distances)
     if kind == "gram":
         if products is None or squared_norms is None:
             missing = "products" if products is None else "squared_norms"
             msg = f"{missing} is missing: products and squared_norms go together"
             raise TypeError(msg)
-        return place_by_products(complex_, products, squared_norms)
+        return place_by_products(complex_._scaling, products, squared_norms)
     assert points is not None
     return check_queries(complex_, points), None
 
 
-def check_queries(
-    complex_: SimplicialComplex, points: ArrayLike
-) -> NDArray[np.float64]:
+def check_queries(complex_: ComplexData, points: ArrayLike) -> NDArray[np.float64]:
     """As many coordinates as the complex has; no points are fine."""
     ambient = complex_.ambient_dim
     array = np.asarray(points)
@@ -144,7 +142,7 @@ def check_queries(
 
 
 def interpolate(
-    complex_: SimplicialComplex,
+    complex_: ComplexData,
     values: ArrayLike,
     points: ArrayLike | PointsOnComplex,
     **options: Any,
@@ -178,16 +176,17 @@ def _weighted(
 
 
 def sample(
-    complex_: SimplicialComplex,
+    complex_: ComplexData,
+    volumes: NDArray[np.float64],
     num_points: int,
     rng: int | np.random.Generator | None = None,
 ) -> PointsOnComplex:
-    """Random points, as `SimplicialComplex.sample` describes them."""
+    """Random points by `simplex_volumes`, as `SimplicialComplex.sample` describes them."""
     count = check_int(num_points, "num_points", minimum=0)
     if not (rng is None or isinstance(rng, np.random.Generator)):
         rng = check_int(rng, "rng", minimum=0)
     random = np.random.default_rng(rng)
-    ends = np.cumsum(complex_.simplex_volumes)
+    ends = np.cumsum(volumes)
     if len(ends) == 0 or not ends[-1] > 0:
         msg = "the complex has no volume to draw points from"
         raise ValueError(msg)
@@ -203,7 +202,7 @@ def sample(
     return PointsOnComplex(points, simplices.astype(np.int64), shares)
 
 
-def simplex_volumes(complex_: SimplicialComplex) -> NDArray[np.float64]:
+def simplex_volumes(complex_: ComplexData) -> NDArray[np.float64]:
     """K-volume of each simplex; 1 for points."""
     factorial = float(np.prod(np.arange(1, complex_.dim + 1), dtype=np.float64))
     volumes = np.empty(len(complex_.simplices))
@@ -215,7 +214,7 @@ def simplex_volumes(complex_: SimplicialComplex) -> NDArray[np.float64]:
 
 
 def edge_triangles(
-    complex_: SimplicialComplex,
+    complex_: ComplexData,
 ) -> Any:
     """Edges from the first vertex in orthonormal coordinates, blocks of simplices.
 

@@ -12,16 +12,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from remanifold._base.optional import load
-from remanifold._base.validation import check_choice, check_complex, check_int
+from remanifold._base.validation import check_choice, check_int
+from remanifold.complex.data import check_complex
 from remanifold.complex.embedding import METHODS as EMBEDDINGS
 from remanifold.complex.embedding import embed
+from remanifold.drawing import draw_matplotlib, draw_plotly
 from remanifold.drawing.draw_pyvista import has_display, need_renderer, plotter, quiet
 from remanifold.drawing.scene import scene_of
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from remanifold.complex.simplicial_complex import SimplicialComplex
+    from remanifold.complex.data import ComplexData
     from remanifold.drawing.scene import Scene
 
 StrPath: TypeAlias = str | os.PathLike[str]
@@ -33,7 +35,7 @@ PAGES = (".html", ".htm")
 
 
 def plot(
-    complex: SimplicialComplex,
+    complex: ComplexData,
     *,
     color: str | ArrayLike | None = None,
     style: str = "auto",
@@ -176,9 +178,7 @@ def _by_plotly(
     path: Path | None,
     show: bool,
 ) -> Any:
-    from remanifold.drawing.draw_plotly import figure
-
-    drawn = figure(scene, title, size)
+    drawn = draw_plotly.figure(scene, title, size)
     if path is not None and path.suffix.lower() in PAGES:
         drawn.write_html(path, include_plotlyjs=True)
     elif path is not None:
@@ -201,11 +201,9 @@ def _by_matplotlib(
     path: Path | None,
     show: bool,
 ) -> Any:
-    from remanifold.drawing.draw_matplotlib import figure
-
     if show and not in_notebook():
         _need_display()
-    drawn = figure(scene, title, size, interactive=show)
+    drawn = draw_matplotlib.figure(scene, title, size, interactive=show)
     if path is not None:
         drawn.savefig(path, bbox_inches="tight")
     if show and not in_notebook():

@@ -14,22 +14,18 @@ from remanifold._base.validation import check_choice, check_vertex_values
 from remanifold.complex import parts
 from remanifold.complex.measures import at_vertices, shapes
 from remanifold.drawing.thinning import thinned
+from remanifold.judging.judged import QUALITY_FIELDS, JudgedReconstruction
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
+    from remanifold.complex.data import ComplexData
     from remanifold.complex.embedding import Embedding
-    from remanifold.complex.simplicial_complex import SimplicialComplex
-    from remanifold.method.reconstruction import Reconstruction
 
     Points: TypeAlias = NDArray[np.float64]
 
 STYLES = ("auto", "surface", "shrunken", "edges")
-# Of each vertex: those of `Quality`, and what any complex has.
-QUALITY_FIELDS = (
-    *("spacing", "curvature", "reach", "sampling_ratio", "tangent_confidence"),
-    *("disputed", "fold", "gap", "doubtful"),
-)
+# Of each vertex: what any complex has, and those of `Quality`.
 FIELDS = ("boundary", "component", "quality", *QUALITY_FIELDS)
 
 MESH_COLOR = "#f2c98f"
@@ -118,7 +114,7 @@ class Scene:
 
 
 def scene_of(
-    complex: SimplicialComplex,
+    complex: ComplexData,
     *,
     color: str | ArrayLike | None,
     style: str,
@@ -151,7 +147,7 @@ class _Builder:
 
     def __init__(
         self,
-        complex: SimplicialComplex,
+        complex: ComplexData,
         points: Points,
         values: NDArray[np.float64] | None,
         limit: int,
@@ -299,17 +295,15 @@ def open_faces(simplices: NDArray[np.int32]) -> NDArray[np.int32]:
     return np.sort(parts.open_faces(simplices), axis=1)
 
 
-def _reconstruction(complex: SimplicialComplex, what: str) -> Reconstruction:
-    from remanifold.method.reconstruction import Reconstruction
-
-    if isinstance(complex, Reconstruction):
+def _reconstruction(complex: ComplexData, what: str) -> JudgedReconstruction:
+    if isinstance(complex, JudgedReconstruction):
         return complex
     msg = f"{what} needs a Reconstruction, got a {type(complex).__name__}"
     raise ValueError(msg)
 
 
 def _values(
-    complex: SimplicialComplex, color: str | ArrayLike | None
+    complex: ComplexData, color: str | ArrayLike | None
 ) -> tuple[NDArray[np.float64] | None, Scale | None]:
     """Values of the vertices, and how they are colored."""
     if color is None:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from remanifold.complex.topology import Topology
-    from remanifold.method.reconstruction import Reconstruction, Repair
+    from remanifold.method.result import ReconstructionData, Repair
 
 MAX_UNUSED = 0.01  # of the samples
 COORDINATES = 3  # that a verdict names
@@ -308,7 +308,7 @@ class _Sign(NamedTuple):
     growth: float = math.nan  # of the number of samples that would remove it
 
 
-def assess(rec: Reconstruction) -> Quality:
+def assess(rec: ReconstructionData) -> Quality:
     """Measure the samples of a reconstruction and judge."""
     kind, matrix = rec._source
     measured = _measure(kind, matrix, rec)
@@ -378,7 +378,7 @@ def assess(rec: Reconstruction) -> Quality:
 
 
 def _measure(
-    kind: str, matrix: NDArray[np.float64], rec: Reconstruction
+    kind: str, matrix: NDArray[np.float64], rec: ReconstructionData
 ) -> dict[str, NDArray[Any]]:
     """By the core, as if there were no outliers; theirs is NaN, or nothing."""
     kept = np.ones(rec.num_samples, dtype=bool)
@@ -465,7 +465,7 @@ def _fitted(dim: int) -> int:
 
 
 def _singularities(
-    rec: Reconstruction, kind: str, matrix: NDArray[np.float64]
+    rec: ReconstructionData, kind: str, matrix: NDArray[np.float64]
 ) -> Iterator[_Sign]:
     """Where the samples are no K-manifold at all."""
     kept = np.ones(rec.num_samples, dtype=bool)

@@ -12,13 +12,14 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from remanifold._base.optional import load
 from remanifold.complex.embedding import embed
+from remanifold.drawing.draw_plotly import figure
 from remanifold.drawing.scene import scene_of
+from remanifold.judging.judged import JudgedReconstruction
 from remanifold.page import report_parts as parts
 from remanifold.page.html import json_text, text
 
 if TYPE_CHECKING:
     from remanifold.complex.embedding import Embedding
-    from remanifold.method.reconstruction import Reconstruction
 
 StrPath: TypeAlias = str | os.PathLike[str]
 
@@ -33,7 +34,7 @@ POLICY = (
 
 
 def write_report(
-    rec: Reconstruction,
+    rec: JudgedReconstruction,
     path: StrPath,
     title: str | None = None,
     command: str | None = None,
@@ -91,10 +92,7 @@ def write_report(
 
 
 def _check(rec: object, texts: dict[str, Any]) -> None:
-    # A class that calls this module: not imported at its top.
-    from remanifold.method.reconstruction import Reconstruction
-
-    if not isinstance(rec, Reconstruction):
+    if not isinstance(rec, JudgedReconstruction):
         msg = f"rec must be a Reconstruction, got {type(rec).__name__}"
         raise TypeError(msg)
     for name, value in texts.items():
@@ -122,12 +120,12 @@ def check_page(path: StrPath) -> Path:
     return target
 
 
-def _default_title(rec: Reconstruction) -> str:
+def _default_title(rec: JudgedReconstruction) -> str:
     where = "" if rec.ambient_dim is None else f" in R^{rec.ambient_dim}"
     return f"A {rec.dim}-manifold from {rec.num_samples:,} samples{where}"
 
 
-def _page(rec: Reconstruction, title: str, command: str | None) -> str:
+def _page(rec: JudgedReconstruction, title: str, command: str | None) -> str:
     library = load("plotly.offline", "plot").get_plotlyjs()
     version = load("plotly.offline", "plot").get_plotlyjs_version()
     size = (
@@ -179,7 +177,7 @@ def _resource(name: str) -> str:
     return resources.files("remanifold.page").joinpath(name).read_text(encoding="utf-8")
 
 
-def _picture(rec: Reconstruction) -> str:
+def _picture(rec: JudgedReconstruction) -> str:
     """The complex as it can be turned, the ways to color it, and what is not shown."""
     placed = embed(rec)
     figure, caption = _figure(rec, placed, None)
@@ -223,12 +221,9 @@ def _words(color: str) -> str:
 
 
 def _figure(
-    rec: Reconstruction, placed: Embedding, color: str | None
+    rec: JudgedReconstruction, placed: Embedding, color: str | None
 ) -> tuple[dict[str, Any], list[str]]:
     """What plotly.js draws, and how it was embedded and coarsened."""
-    load("plotly", "plot")
-    from remanifold.drawing.draw_plotly import figure
-
     scene = scene_of(
         rec,
         color=color,
@@ -244,7 +239,7 @@ def _figure(
 
 
 def _changes(
-    rec: Reconstruction, placed: Embedding, color: str, plain: dict[str, Any]
+    rec: JudgedReconstruction, placed: Embedding, color: str, plain: dict[str, Any]
 ) -> dict[str, dict[str, Any]]:
     """What a coloring has other than the plain picture, by trace."""
     colored, _ = _figure(rec, placed, color)

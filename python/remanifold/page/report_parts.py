@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from remanifold.complex.topology import Topology
-    from remanifold.method.reconstruction import Reconstruction
+    from remanifold.judging.judged import JudgedReconstruction
 
 MOST_SAMPLES = 100  # in a table
 MOST_PLACES = 50
@@ -38,7 +38,7 @@ COORDINATES = 6
 YES_NO = {True: "yes", False: "no"}
 
 
-def verdict(rec: Reconstruction) -> str:
+def verdict(rec: JudgedReconstruction) -> str:
     """Say whether to trust the result, and why not."""
     quality = rec.quality
     kind, word = ("good", "No reason for doubt.")
@@ -53,7 +53,7 @@ def verdict(rec: Reconstruction) -> str:
     )
 
 
-def topology(rec: Reconstruction) -> str:
+def topology(rec: JudgedReconstruction) -> str:
     """Say what the complex is."""
     found = rec.topology()
     names = simplex_names(rec.dim)
@@ -106,7 +106,7 @@ def kind_of(found: Topology) -> str:
     return named.get((found.orientable, euler, holes), less)
 
 
-def repair(rec: Reconstruction) -> str:
+def repair(rec: JudgedReconstruction) -> str:
     """Say what was disputed and mended, and what is left."""
     found = rec.repair
     *_, faces, simplices = simplex_names(rec.dim)
@@ -149,7 +149,7 @@ def repair(rec: Reconstruction) -> str:
     return section("repair", "What repair did", *parts)
 
 
-def histograms(rec: Reconstruction) -> str:
+def histograms(rec: JudgedReconstruction) -> str:
     """Draw how samples and simplices are spread."""
     quality = rec.quality
     own = rec.representatives == np.arange(rec.num_samples)
@@ -178,7 +178,7 @@ def histograms(rec: Reconstruction) -> str:
     )
 
 
-def doubt(rec: Reconstruction) -> str:
+def doubt(rec: JudgedReconstruction) -> str:
     """List the samples in doubt and the outliers."""
     doubtful = np.flatnonzero(rec.quality.doubtful)
     return section(
@@ -195,7 +195,7 @@ def doubt(rec: Reconstruction) -> str:
     )
 
 
-def _noise(rec: Reconstruction) -> Iterator[tuple[str, object]]:
+def _noise(rec: JudgedReconstruction) -> Iterator[tuple[str, object]]:
     yield "noise, in spacings", number(rec.quality.noise)
     smoothing = rec.smoothing
     if smoothing is None:
@@ -211,7 +211,11 @@ def _noise(rec: Reconstruction) -> Iterator[tuple[str, object]]:
 
 
 def _samples(
-    rec: Reconstruction, which: NDArray[np.integer], what: str, *, with_reasons: bool
+    rec: JudgedReconstruction,
+    which: NDArray[np.integer],
+    what: str,
+    *,
+    with_reasons: bool,
 ) -> str:
     if len(which) == 0:
         return ""
@@ -233,7 +237,7 @@ def _samples(
     )
 
 
-def _reasons(rec: Reconstruction, which: NDArray[np.integer]) -> Iterator[str]:
+def _reasons(rec: JudgedReconstruction, which: NDArray[np.integer]) -> Iterator[str]:
     stands_for = rec.representatives[which]
     named = [
         (reason.text, np.isin(stands_for, reason.samples))
@@ -252,7 +256,7 @@ def _list(numbers: tuple[int, ...]) -> str:
     return ", ".join(f"{n:,}" for n in numbers)
 
 
-def how(rec: Reconstruction, command: str | None) -> str:
+def how(rec: JudgedReconstruction, command: str | None) -> str:
     """Say how the result was made: timings, parameters, versions, command."""
     seconds = [(step.replace("_", " "), number(t)) for step, t in rec.timings.items()]
     total = math.fsum(rec.timings.values())
@@ -289,7 +293,7 @@ def how(rec: Reconstruction, command: str | None) -> str:
     )
 
 
-def _kind(rec: Reconstruction) -> tuple[str, str]:
+def _kind(rec: JudgedReconstruction) -> tuple[str, str]:
     kind = rec._source[0]
     return kind, {"gram": "inner products"}.get(kind, kind)
 

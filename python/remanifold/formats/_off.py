@@ -9,8 +9,8 @@ from typing import IO
 
 import numpy as np
 
-from remanifold.io._mesh import Faces, FileMesh, simplices_of_faces
-from remanifold.io._source import Source
+from remanifold.formats._mesh import Faces, FileMesh, simplices_of_faces
+from remanifold.formats._source import Source
 
 Lines = Iterator[tuple[int, list[str]]]
 

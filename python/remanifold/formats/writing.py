@@ -14,13 +14,13 @@ from typing import IO, TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from remanifold._base.validation import check_complex
-from remanifold.io._gltf import write_glb, write_gltf
-from remanifold.io._mesh import FileMesh, simplex_name
-from remanifold.io._obj import write_obj
-from remanifold.io._off import write_off
-from remanifold.io._ply import write_ply
-from remanifold.io._source import (
+from remanifold.complex.data import check_complex
+from remanifold.formats._gltf import write_glb, write_gltf
+from remanifold.formats._mesh import FileMesh, simplex_name
+from remanifold.formats._obj import write_obj
+from remanifold.formats._off import write_off
+from remanifold.formats._ply import write_ply
+from remanifold.formats._source import (
     FloatArray,
     IntArray,
     StrPath,
@@ -28,19 +28,19 @@ from remanifold.io._source import (
     is_standard,
     suffix_of,
 )
-from remanifold.io._stl import write_stl
-from remanifold.io._tables import (
+from remanifold.formats._stl import write_stl
+from remanifold.formats._tables import (
     RESERVED,
     write_csv,
     write_npy,
     write_npz,
     write_table,
 )
-from remanifold.io._vtk import write_vtk
-from remanifold.io._vtu import write_vtu
+from remanifold.formats._vtk import write_vtk
+from remanifold.formats._vtu import write_vtu
 
 if TYPE_CHECKING:
-    from remanifold.complex.simplicial_complex import SimplicialComplex
+    from remanifold.complex.data import ComplexData
 
 
 class Writer(NamedTuple):
@@ -139,7 +139,7 @@ def write_mesh(
 
 def write_complex(
     path: StrPath,
-    complex: SimplicialComplex,
+    complex: ComplexData,
     fields: Mapping[str, ArrayLike] | None = None,
     *,
     format: str | None = None,

@@ -7,8 +7,8 @@ from typing import IO
 
 import numpy as np
 
-from remanifold.io._mesh import FileMesh, first_of_equal_rows
-from remanifold.io._source import FloatArray, Source
+from remanifold.formats._mesh import FileMesh, first_of_equal_rows
+from remanifold.formats._source import FloatArray, Source
 
 
 def read_stl(source: Source, cells: bool) -> FileMesh:

@@ -10,7 +10,7 @@ from urllib.parse import unquote
 import numpy as np
 from numpy.typing import NDArray
 
-from remanifold.io._mesh import (
+from remanifold.formats._mesh import (
     Faces,
     FileMesh,
     check_corners,
@@ -18,7 +18,7 @@ from remanifold.io._mesh import (
     simplex_name,
     simplices_of_faces,
 )
-from remanifold.io._source import FloatArray, IntArray, Source
+from remanifold.formats._source import FloatArray, IntArray, Source
 
 _TYPES = {
     "bit": "u1",

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from remanifold.io._mesh import FileMesh
-from remanifold.io._source import Source
+from remanifold.formats._mesh import FileMesh
+from remanifold.formats._source import Source
 
 _HINT = "reading .las and .laz needs laspy and lazrs: pip install remanifold[las]"
 _CHUNK = 1_000_000  # points that are decompressed together

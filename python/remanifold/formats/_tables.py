@@ -10,8 +10,8 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from remanifold.io._mesh import FileMesh
-from remanifold.io._source import FloatArray, Source
+from remanifold.formats._mesh import FileMesh
+from remanifold.formats._source import FloatArray, Source
 
 # Names that an archive gives to its own arrays.
 RESERVED = ("points", "simplices")

@@ -8,14 +8,14 @@ from typing import IO
 
 import numpy as np
 
-from remanifold.io._mesh import (
+from remanifold.formats._mesh import (
     Faces,
     FileMesh,
     check_corners,
     polyline_edges,
     simplices_of_faces,
 )
-from remanifold.io._source import Source
+from remanifold.formats._source import Source
 
 
 def read_obj(source: Source, cells: bool) -> FileMesh:

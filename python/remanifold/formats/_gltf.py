@@ -11,7 +11,7 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from remanifold.io._mesh import FileMesh
+from remanifold.formats._mesh import FileMesh
 
 _FLOAT, _UBYTE, _UINT = 5126, 5121, 5125
 _VERTICES, _INDICES = 34962, 34963  # what a part of the buffer is for

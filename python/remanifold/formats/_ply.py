@@ -10,8 +10,8 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from remanifold.io._mesh import Faces, FileMesh, check_corners, simplices_of_faces
-from remanifold.io._source import FloatArray, IntArray, Source
+from remanifold.formats._mesh import Faces, FileMesh, check_corners, simplices_of_faces
+from remanifold.formats._source import FloatArray, IntArray, Source
 
 _TYPES = {
     name: kind

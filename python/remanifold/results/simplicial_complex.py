@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A complex in space: positions of the vertices and simplices between them."""
+"""Complexes, and parts of them, with all that can be asked of them as methods."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from remanifold import _core, interoperability
 from remanifold._base.read_only import ReadOnlyArrays
-from remanifold._base.scaling import ClassicalScaling, classical_scaling
-from remanifold._base.validation import check_cells, check_int, check_points
-from remanifold.complex import geodesics, projection
+from remanifold._base.validation import check_cells, check_points
+from remanifold.complex import geodesics, parts, projection
+from remanifold.complex.data import ComplexData
 from remanifold.complex.graphs import edge_graph
-from remanifold.complex.topology import Topology, topology_of
-from remanifold.io import write_complex
+from remanifold.drawing.plotting import plot
+from remanifold.formats import objects
+from remanifold.formats.writing import write_complex
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -24,14 +24,13 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from remanifold._base.progress import Callback
-    from remanifold._base.validation import Kind
-    from remanifold.complex.parts import Subcomplex
+    from remanifold.complex.parts import Part
     from remanifold.complex.projection import PointsOnComplex, Projection
-    from remanifold.io._source import StrPath
+    from remanifold.formats._source import StrPath
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SimplicialComplex(ReadOnlyArrays):
+class SimplicialComplex(ComplexData):
     """A pure K-dimensional simplicial complex in R^D. Arrays are read-only.
 
     Parameters
@@ -62,13 +61,6 @@ class SimplicialComplex(ReadOnlyArrays):
     SimplicialComplex(vertices=4, ambient_dim=2, dim=2, simplices=2)
     """
 
-    vertices: NDArray[np.float64] | None
-    simplices: NDArray[np.int32]
-    # How the samples are known where they have no coordinates: "gram" or "distances".
-    _products: tuple[Kind, NDArray[np.float64]] | None = field(
-        default=None, kw_only=True
-    )
-
     def __post_init__(self) -> None:
         """Check what was given; coordinates that are as they should be are not copied."""
         if self.vertices is None:
@@ -88,31 +80,6 @@ class SimplicialComplex(ReadOnlyArrays):
             f"{type(self).__name__}(vertices={self.num_vertices}{ambient}, "
             f"dim={self.dim}, simplices={len(self.simplices)})"
         )
-
-    @property
-    def dim(self) -> int:
-        """K, the dimension of the simplices."""
-        return int(self.simplices.shape[1]) - 1
-
-    @property
-    def ambient_dim(self) -> int | None:
-        """D, the number of coordinates; None where only products are known."""
-        return None if self.vertices is None else self.vertices.shape[1]
-
-    @property
-    def num_vertices(self) -> int:
-        """N, whether simplices use them or not."""
-        if self.vertices is not None:
-            return len(self.vertices)
-        assert self._products is not None
-        return len(self._products[1])
-
-    @functools.cached_property
-    def edges(self) -> NDArray[np.int32]:
-        """Edges of the simplices, (E, 2), i < j, sorted; computed when first asked for."""
-        edges = _core.edges(self.simplices, self.num_vertices)
-        edges.flags.writeable = False
-        return edges
 
     def write(
         self,
@@ -144,23 +111,23 @@ class SimplicialComplex(ReadOnlyArrays):
 
     def to_gudhi(self, filtration: ArrayLike | None = None) -> Any:
         """Simplex tree of GUDHI; see `interoperability.to_gudhi`."""
-        return interoperability.to_gudhi(self, filtration)
+        return objects.to_gudhi(self, filtration)
 
     def to_trimesh(self, fields: Mapping[str, ArrayLike] | None = None) -> Any:
         """Triangles as an object of trimesh; see `interoperability.to_trimesh`."""
-        return interoperability.to_trimesh(self, fields)
+        return objects.to_trimesh(self, fields)
 
     def to_pyvista(self, fields: Mapping[str, ArrayLike] | None = None) -> Any:
         """Mesh or grid of PyVista; see `interoperability.to_pyvista`."""
-        return interoperability.to_pyvista(self, fields)
+        return objects.to_pyvista(self, fields)
 
     def to_meshio(self, fields: Mapping[str, ArrayLike] | None = None) -> Any:
         """Mesh of meshio; see `interoperability.to_meshio`."""
-        return interoperability.to_meshio(self, fields)
+        return objects.to_meshio(self, fields)
 
     def to_networkx(self) -> Any:
         """Graph of NetworkX, with lengths; see `interoperability.to_networkx`."""
-        return interoperability.to_networkx(self)
+        return objects.to_networkx(self)
 
     def to_scipy_graph(self) -> Any:
         """Sparse matrix of the lengths of the edges; see `edge_graph`."""
@@ -169,16 +136,7 @@ class SimplicialComplex(ReadOnlyArrays):
     @classmethod
     def from_meshio(cls, mesh: Any, dim: int | None = None) -> SimplicialComplex:
         """Complex of a mesh of meshio; see `interoperability.from_meshio`."""
-        return interoperability.from_meshio(mesh, dim)
-
-    def component_labels(self) -> NDArray[np.int32]:
-        """Component of each vertex, in order of lowest vertex; -1 in no simplex.
-
-        Returns
-        -------
-        ndarray, shape (N,), int32
-        """
-        return _core.component_labels(self.simplices, self.num_vertices)
+        return SimplicialComplex(*objects.arrays_of_meshio(mesh, dim))
 
     def plot(self, **options: Any) -> Any:
         """Draw the complex, by PyVista, Plotly or Matplotlib.
@@ -193,87 +151,7 @@ class SimplicialComplex(ReadOnlyArrays):
         -------
         pyvista.Plotter, plotly.graph_objects.Figure or matplotlib.figure.Figure
         """
-        from remanifold.drawing.plotting import plot
-
         return plot(self, **options)
-
-    def topology(self, component: int | None = None) -> Topology:
-        """Topology of the complex, computed once, or of one of its components.
-
-        Parameters
-        ----------
-        component : int, optional
-            Label of a component, as in `component_labels`.
-
-        Returns
-        -------
-        Topology
-
-        Raises
-        ------
-        ValueError
-            No component has this label.
-        """
-        if component is None:
-            return self._topology
-        count = self._topology.components
-        index = check_int(component, "component", minimum=0)
-        if index >= count:
-            msg = f"component is {index}, expected 0 to {count - 1}"
-            raise ValueError(msg)
-        simplices = np.sort(self.simplices, axis=1)
-        own = self.component_labels()[simplices[:, 0]] == index
-        return topology_of(simplices[own], self.num_vertices)
-
-    @property
-    def _source(self) -> tuple[Kind, NDArray[np.float64]]:
-        """The positions, or the products as they were given."""
-        if self.vertices is not None:
-            return "points", self.vertices
-        assert self._products is not None
-        return self._products
-
-    @functools.cached_property
-    def _topology(self) -> Topology:
-        return topology_of(np.sort(self.simplices, axis=1), self.num_vertices)
-
-    # ------------------------------------------------------------- using the complex
-
-    @functools.cached_property
-    def coordinates(self) -> NDArray[np.float64]:
-        """Positions of the vertices, (N, D); computed when first asked for.
-
-        Where only inner products or distances are known, an isometric embedding about
-        the centroid of the vertices (classical scaling), with as many columns as these
-        span: as exact as square roots of products are, about eight digits. It takes
-        O(N^3) time and O(N^2) memory.
-        """
-        if self.vertices is not None:
-            return self.vertices
-        return self._scaling.coordinates
-
-    @functools.cached_property
-    def _scaling(self) -> ClassicalScaling:
-        assert self._products is not None
-        found = classical_scaling(*self._products)
-        found.coordinates.flags.writeable = False
-        return found
-
-    def _search(self, num_threads: int, progress: Callback | None) -> Any:
-        """The spatial index, made when first asked for."""
-        index = vars(self).get("_search_index")
-        if index is None:
-            index = _core.SimplexSearch(
-                self.coordinates, self.simplices, num_threads, progress
-            )
-            vars(self)["_search_index"] = index
-        return index
-
-    def __getstate__(self) -> dict[str, Any]:
-        """All but the spatial index, which is made again."""
-        state = dict(vars(self))
-        state.pop("_search_index", None)
-        return state
 
     def project(
         self,
@@ -389,7 +267,7 @@ class SimplicialComplex(ReadOnlyArrays):
         ValueError
             A complex of no volume.
         """
-        return projection.sample(self, num_points, rng)
+        return projection.sample(self, self.simplex_volumes, num_points, rng)
 
     @functools.cached_property
     def simplex_volumes(self) -> NDArray[np.float64]:
@@ -462,9 +340,7 @@ class SimplicialComplex(ReadOnlyArrays):
         Subcomplex
             Its `vertex_indices` lead back here.
         """
-        from remanifold.complex import parts  # they are complexes themselves
-
-        return parts.subset(self, simplices)
+        return _as_complex(parts.subset(self, simplices))
 
     def components(self) -> list[Subcomplex]:
         """Connected components, in the order of `component_labels`.
@@ -473,9 +349,7 @@ class SimplicialComplex(ReadOnlyArrays):
         -------
         list of Subcomplex
         """
-        from remanifold.complex import parts
-
-        return parts.components(self)
+        return [_as_complex(part) for part in parts.components(self)]
 
     def boundary_complex(self) -> Subcomplex:
         """The (K-1)-faces that lie in one simplex only.
@@ -494,6 +368,32 @@ class SimplicialComplex(ReadOnlyArrays):
         ValueError
             A complex of dimension 0.
         """
-        from remanifold.complex import parts
+        return _as_complex(parts.boundary_complex(self))
 
-        return parts.boundary_complex(self)
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Subcomplex(SimplicialComplex):
+    """Part of another complex, with the vertices that it uses only.
+
+    Attributes
+    ----------
+    vertices, simplices : ndarray
+        As in `SimplicialComplex`; there may be none.
+    vertex_indices : ndarray, shape (N,), int32
+        Number of each vertex in the complex that this is part of, ascending.
+    """
+
+    vertex_indices: NDArray[np.int32] = field(kw_only=True)
+
+    def __post_init__(self) -> None:
+        """Taken from a complex that was checked: nothing to check."""
+        ReadOnlyArrays.__post_init__(self)
+
+
+def _as_complex(part: Part) -> Subcomplex:
+    return Subcomplex(
+        part.vertices,
+        part.simplices,
+        vertex_indices=part.vertex_indices,
+        _products=part._products,
+    )

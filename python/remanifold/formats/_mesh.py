@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from remanifold.io._source import FloatArray, IntArray, Source
+from remanifold.formats._source import FloatArray, IntArray, Source
 from remanifold.warnings import FileWarning
 
 NAMES = {0: "vertices", 1: "edges", 2: "triangles", 3: "tetrahedra"}

@@ -11,9 +11,9 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 from numpy.typing import NDArray
 
-from remanifold.io._mesh import Faces, FileMesh
-from remanifold.io._source import Source
-from remanifold.io._vtk import LINE, POLYGON, QUAD, TETRA, TRIANGLE, cells_of_grid
+from remanifold.formats._mesh import Faces, FileMesh
+from remanifold.formats._source import Source
+from remanifold.formats._vtk import LINE, POLYGON, QUAD, TETRA, TRIANGLE, cells_of_grid
 
 _KINDS = {
     "vertex": 1,

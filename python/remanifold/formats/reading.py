@@ -1,21 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reading points, complexes and values at the vertices; the suffix names the format."""
+"""Reading points, simplices and values at the vertices; the suffix names the format."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from remanifold.io._las import read_las
-from remanifold.io._mesh import FileMesh, choose_simplices, without_degenerate
-from remanifold.io._obj import read_obj
-from remanifold.io._off import read_off
-from remanifold.io._ply import read_ply
-from remanifold.io._source import (
+from remanifold.formats._las import read_las
+from remanifold.formats._mesh import FileMesh
+from remanifold.formats._obj import read_obj
+from remanifold.formats._off import read_off
+from remanifold.formats._ply import read_ply
+from remanifold.formats._source import (
     FloatArray,
     Source,
     StrPath,
@@ -23,13 +23,10 @@ from remanifold.io._source import (
     is_standard,
     suffix_of,
 )
-from remanifold.io._stl import read_stl
-from remanifold.io._tables import read_csv, read_numpy, read_table
-from remanifold.io._vtk import read_vtk
-from remanifold.io._vtu import read_vtu
-
-if TYPE_CHECKING:
-    from remanifold.complex.simplicial_complex import SimplicialComplex
+from remanifold.formats._stl import read_stl
+from remanifold.formats._tables import read_csv, read_numpy, read_table
+from remanifold.formats._vtk import read_vtk
+from remanifold.formats._vtu import read_vtu
 
 # Each takes whether simplices and fields are wanted as well.
 READERS: dict[str, Callable[[Source, bool], FileMesh]] = {
@@ -98,61 +95,6 @@ def read_points(path: StrPath, *, format: str | None = None) -> FloatArray:
     >>> points = rm.io.read_points("scan.ply")  # doctest: +SKIP
     """
     return read_file(path, format, cells=False)[1].points
-
-
-def read_complex(
-    path: StrPath, dim: int | None = None, *, format: str | None = None
-) -> SimplicialComplex:
-    """Read vertices and simplices from a file.
-
-    Parameters
-    ----------
-    path : str or path-like
-        A file that `write_complex` can write, by remanifold or another program:
-        ``.npz``, ``.ply``, ``.obj``, ``.off``, ``.stl``, ``.vtk`` or ``.vtu``. "-" is
-        standard input.
-    dim : int, optional
-        Dimension of the simplices to read. By default the highest in the file; all
-        others must then be faces of these.
-    format : str, optional
-        The format by its suffix, such as "ply", whatever the name of the file.
-
-    Returns
-    -------
-    SimplicialComplex
-        All vertices, in the order of the file, and the simplices.
-
-    Raises
-    ------
-    FileNotFoundError, IsADirectoryError, OSError
-        If the file cannot be opened.
-    ValueError
-        If its suffix is unknown, its content is not what the suffix says, it has no
-        simplices, or cells that are neither simplices nor polygons.
-
-    Warns
-    -----
-    FileWarning
-        Simplices with a vertex twice, or repeated ones, were left out.
-
-    Notes
-    -----
-    Polygons are cut into triangles, each from its first corner or, where that does not
-    see all others, from one that does; a polygon without such a corner is refused.
-
-    Examples
-    --------
-    >>> import remanifold as rm
-    >>> mesh = rm.io.read_complex("mesh.ply")  # doctest: +SKIP
-    """
-    from remanifold.complex.simplicial_complex import SimplicialComplex
-
-    source, mesh = read_file(path, format, cells=True, known=WITH_SIMPLICES)
-    simplices = without_degenerate(source, choose_simplices(source, mesh, dim))
-    try:
-        return SimplicialComplex(mesh.points, simplices.astype(np.int32))
-    except (ValueError, TypeError) as error:
-        source.fail(str(error), error)
 
 
 def read_fields(path: StrPath, *, format: str | None = None) -> dict[str, NDArray[Any]]:

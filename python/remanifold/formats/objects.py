@@ -1,0 +1,277 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Complexes as objects of other libraries, and what theirs hold."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from remanifold.complex.data import check_complex
+from remanifold.complex.graphs import edge_lengths
+from remanifold.formats._mesh import simplex_name
+from remanifold.formats.writing import check_fields
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from remanifold.complex.data import ComplexData
+
+# Numbers of VTK's types of cells, and their names in meshio, by dimension.
+_VTK_CELLS = {1: 3, 2: 5, 3: 10}
+_MESHIO_CELLS = {0: "vertex", 1: "line", 2: "triangle", 3: "tetra"}
+
+
+def to_gudhi(complex: ComplexData, filtration: ArrayLike | None = None) -> Any:
+    """Simplex tree of GUDHI, with all faces.
+
+    Parameters
+    ----------
+    complex : SimplicialComplex
+        With coordinates or without.
+    filtration : array_like of shape (N,), optional
+        A function on the vertices; a simplex has the largest value of its vertices (the
+        lower star filtration). By default all values are zero.
+
+    Returns
+    -------
+    gudhi.SimplexTree
+        Its vertices are those that the simplices use.
+
+    Raises
+    ------
+    ValueError
+        `filtration` is not a number for each vertex.
+    """
+    from gudhi import SimplexTree
+
+    check_complex(complex)
+    simplices = complex.simplices
+    values = np.zeros(len(simplices))
+    tree = SimplexTree()
+    if filtration is None:
+        tree.insert_batch(np.ascontiguousarray(simplices.T), values)
+        return tree
+    heights = np.asarray(filtration)
+    n = complex.num_vertices
+    if heights.shape != (n,) or heights.dtype.kind not in "biuf":
+        msg = (
+            f"filtration must hold {n} numbers, one for each vertex, got "
+            f"{heights.dtype} {heights.shape}"
+        )
+        raise ValueError(msg)
+    heights = heights.astype(np.float64)
+    if np.isnan(heights).any():
+        msg = f"filtration[{int(np.isnan(heights).argmax())}] is nan"
+        raise ValueError(msg)
+    # No vertex begins after its simplices, so they start as low as can be.
+    tree.insert_batch(
+        np.ascontiguousarray(simplices.T), np.full(len(simplices), -np.inf)
+    )
+    for vertex in np.unique(simplices).tolist():
+        tree.assign_filtration([vertex], heights[vertex])
+    tree.make_filtration_non_decreasing()
+    return tree
+
+
+def to_trimesh(
+    complex: ComplexData, fields: Mapping[str, ArrayLike] | None = None
+) -> Any:
+    """Triangles as an object of trimesh.
+
+    Parameters
+    ----------
+    complex : SimplicialComplex
+        Of dimension 2, in at most three coordinates, to which zeros are added.
+    fields : mapping of str to array_like, optional
+        Values at the vertices, which become `vertex_attributes`.
+
+    Returns
+    -------
+    trimesh.Trimesh
+        Vertices in their order, none merged, faces oriented as the simplices are.
+
+    Raises
+    ------
+    ValueError
+        Not triangles, or more than three coordinates.
+    ImportError
+        trimesh is not installed.
+    """
+    points = _space(complex, "trimesh", (2,))
+    trimesh = _needed("trimesh", "mesh")
+    return trimesh.Trimesh(
+        vertices=points,
+        faces=complex.simplices.astype(np.int64),
+        vertex_attributes=check_fields(fields, len(points)) or None,
+        process=False,
+    )
+
+
+def to_pyvista(
+    complex: ComplexData, fields: Mapping[str, ArrayLike] | None = None
+) -> Any:
+    """Edges, triangles or tetrahedra as an object of PyVista.
+
+    Parameters
+    ----------
+    complex : SimplicialComplex
+        Of dimension up to 3, in at most three coordinates, to which zeros are added.
+    fields : mapping of str to array_like, optional
+        Values at the vertices, which become `point_data`.
+
+    Returns
+    -------
+    pyvista.PolyData or pyvista.UnstructuredGrid
+        The latter for tetrahedra.
+
+    Raises
+    ------
+    ValueError
+        Simplices of more than three dimensions, or more than three coordinates.
+    ImportError
+        PyVista is not installed.
+    """
+    points = _space(complex, "PyVista", (1, 2, 3))
+    values = check_fields(fields, len(points))
+    pyvista = _needed("pyvista", "mesh")
+    count, size = complex.simplices.shape
+    cells = np.column_stack([np.full(count, size), complex.simplices]).ravel()
+    if complex.dim == 3:
+        types = np.full(count, _VTK_CELLS[3], dtype=np.uint8)
+        mesh = pyvista.UnstructuredGrid(cells, types, points)
+    elif complex.dim == 2:
+        mesh = pyvista.PolyData(points, faces=cells)
+    else:
+        mesh = pyvista.PolyData(points, lines=cells)
+    for name, array in values.items():
+        mesh.point_data[name] = array
+    return mesh
+
+
+def to_meshio(
+    complex: ComplexData, fields: Mapping[str, ArrayLike] | None = None
+) -> Any:
+    """Edges, triangles or tetrahedra as a mesh of meshio.
+
+    Parameters
+    ----------
+    complex : SimplicialComplex
+        Of dimension up to 3, in any number of coordinates.
+    fields : mapping of str to array_like, optional
+        Values at the vertices, which become `point_data`.
+
+    Returns
+    -------
+    meshio.Mesh
+        With one block of cells.
+
+    Raises
+    ------
+    ValueError
+        Simplices of more than three dimensions.
+    """
+    import meshio
+
+    points = _coordinates(complex)
+    _check_dim(complex, "meshio", tuple(_MESHIO_CELLS))
+    cells = [(_MESHIO_CELLS[complex.dim], complex.simplices.copy())]
+    values = check_fields(fields, len(points))
+    return meshio.Mesh(points.copy(), cells, point_data=values)
+
+
+def arrays_of_meshio(
+    mesh: Any, dim: int | None = None
+) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    """Points and simplices, as `interoperability.from_meshio` describes them."""
+    dims = {name: k for k, name in _MESHIO_CELLS.items() if k}
+    blocks: dict[int, list[NDArray[np.int64]]] = {}
+    for block in mesh.cells:
+        if block.type in dims:
+            cells = np.asarray(block.data, dtype=np.int64)
+            blocks.setdefault(dims[block.type], []).append(cells)
+    wanted = max(blocks, default=None) if dim is None else dim
+    if wanted not in blocks:
+        found = ", ".join(sorted({block.type for block in mesh.cells})) or "nothing"
+        what = "simplices" if dim is None else simplex_name(dim)
+        msg = f"mesh has no {what}, its cells are: {found}"
+        raise ValueError(msg)
+    simplices = np.vstack(blocks[wanted]).astype(np.int32)
+    return np.asarray(mesh.points, dtype=np.float64), simplices
+
+
+def to_networkx(complex: ComplexData) -> Any:
+    """Vertices and edges as a graph of NetworkX.
+
+    Parameters
+    ----------
+    complex : SimplicialComplex
+        With coordinates or without.
+
+    Returns
+    -------
+    networkx.Graph
+        Nodes 0 to N - 1, each with its coordinates as ``pos``, and the edges, each with
+        its ``length``. Without coordinates neither.
+
+    Raises
+    ------
+    ImportError
+        NetworkX is not installed.
+    """
+    check_complex(complex)
+    networkx = _needed("networkx", "graph")
+    graph = networkx.Graph()
+    if complex.vertices is None:
+        graph.add_nodes_from(range(complex.num_vertices))
+        graph.add_edges_from(complex.edges.tolist())
+        return graph
+    graph.add_nodes_from(
+        (i, {"pos": position}) for i, position in enumerate(complex.vertices)
+    )
+    lengths = edge_lengths(complex).tolist()
+    graph.add_edges_from(
+        (i, j, {"length": length})
+        for (i, j), length in zip(complex.edges.tolist(), lengths, strict=True)
+    )
+    return graph
+
+
+def _needed(module: str, extra: str) -> Any:
+    try:
+        return importlib.import_module(module)
+    except ImportError as error:
+        msg = f"this needs {module}: pip install remanifold[{extra}]"
+        raise ImportError(msg) from error
+
+
+def _coordinates(complex: ComplexData) -> NDArray[np.float64]:
+    check_complex(complex)
+    if complex.vertices is None:
+        msg = "complex has no coordinates, only inner products or distances"
+        raise ValueError(msg)
+    return complex.vertices
+
+
+def _check_dim(complex: ComplexData, who: str, dims: tuple[int, ...]) -> None:
+    if complex.dim not in dims:
+        known = " or ".join(simplex_name(dim) for dim in dims)
+        msg = f"{who} has no {simplex_name(complex.dim)}, only {known}"
+        raise ValueError(msg)
+
+
+def _space(
+    complex: ComplexData, who: str, dims: tuple[int, ...]
+) -> NDArray[np.float64]:
+    """Vertices as points of R^3."""
+    points = _coordinates(complex)
+    _check_dim(complex, who, dims)
+    if points.shape[1] > 3:
+        msg = (
+            f"{who} shows three coordinates, the complex has {points.shape[1]}: project "
+            "its vertices first, as in rm.SimplicialComplex(vertices[:, :3], simplices)"
+        )
+        raise ValueError(msg)
+    return np.pad(points, ((0, 0), (0, 3 - points.shape[1])))

@@ -1,0 +1,194 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a reconstruction is: a complex, how it was made, and what had to be mended."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from remanifold import _core
+from remanifold._base.read_only import ReadOnlyArrays
+from remanifold.complex.data import ComplexData
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from remanifold.method.cleaning import Smoothing
+    from remanifold.method.steps import EdgeSets, Stars
+
+
+@dataclass(frozen=True, eq=False)
+class Repair(ReadOnlyArrays):
+    """What was disputed, what was done about it, and what the result lacks.
+
+    The paper's method repairs nothing: there this says what it leaves.
+
+    Attributes
+    ----------
+    method : str
+        Method of the reconstruction.
+    open_faces : ndarray, shape (H, K), int32
+        (K-1)-faces in one simplex only.
+    num_boundary_components : int
+        Connected sets of open faces that count as boundary. Manifold method: all with
+        ``boundary="auto"``, those within the mask with a mask, none with
+        ``boundary=False``. Paper: those with a vertex that is a boundary sample or has
+        one in its edge set.
+    num_holes : int
+        The other connected sets of open faces.
+    hole_faces : ndarray, shape (G, K), int32
+        The faces of these.
+    callous_faces : ndarray, shape (F, K), int32
+        (K-1)-faces in more than two simplices.
+    unstarred_simplices : ndarray, shape (U, K+1), int32
+        Paper: simplices that are cliques of the graph but in the star of none of their
+        vertices.
+    singular_vertices : ndarray of int32
+        Manifold method: vertices whose link is neither a sphere nor a ball, by the same
+        test as `Topology.singular_vertices` up to K = 3.
+    unused_vertices : ndarray of int32
+        Samples in no simplex but for merged copies and `Reconstruction.outliers`. With
+        the manifold method they are too far from all simplices around their neighbors.
+    merged_samples : int
+        Samples that coincide with one of lower index and were merged with it.
+    hole_radius : float
+        Manifold method: radius of the smallest round hole left open, in local scales.
+    num_agreed : int
+        Manifold method: star simplices that are in the stars of all their vertices.
+    disputed_simplices : ndarray, shape (P, K+1), int32
+        Manifold method: star simplices that are not.
+    filled_simplices : ndarray, shape (C, K+1), int32
+        Manifold method: simplices that the chain of least energy chose.
+    inserted_vertices : ndarray of int32
+        Manifold method: samples that the chain left out, put back by subdivision.
+    num_cavities, num_programs, num_integer_programs : int
+        Manifold method: cavities filled; those of them that were linear programs, and
+        integer programs.
+    num_unsolved : int
+        Programs without a solution within the solver's limits.
+    """
+
+    method: str
+    open_faces: NDArray[np.int32]
+    num_boundary_components: int
+    num_holes: int
+    hole_faces: NDArray[np.int32]
+    callous_faces: NDArray[np.int32]
+    unstarred_simplices: NDArray[np.int32]
+    singular_vertices: NDArray[np.int32]
+    unused_vertices: NDArray[np.int32]
+    merged_samples: int
+    hole_radius: float
+    num_agreed: int
+    disputed_simplices: NDArray[np.int32]
+    filled_simplices: NDArray[np.int32]
+    inserted_vertices: NDArray[np.int32]
+    num_cavities: int
+    num_programs: int
+    num_integer_programs: int
+    num_unsolved: int
+
+    @property
+    def num_callouses(self) -> int:
+        """Faces in more than two simplices, and cliques in no star."""
+        return len(self.callous_faces) + len(self.unstarred_simplices)
+
+    def remaining(self) -> list[tuple[str, tuple[int, ...]]]:
+        """All that is left to mend: the reason and the vertices of each place."""
+        return [
+            *(("open face", tuple(f)) for f in self.hole_faces.tolist()),
+            *(("callous face", tuple(f)) for f in self.callous_faces.tolist()),
+            *(
+                ("unstarred simplex", tuple(s))
+                for s in self.unstarred_simplices.tolist()
+            ),
+            *(("singular vertex", (v,)) for v in self.singular_vertices.tolist()),
+            *(("unused vertex", (v,)) for v in self.unused_vertices.tolist()),
+        ]
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class ReconstructionData(ComplexData):
+    """The data of a `Reconstruction`, and what follows from it without more work."""
+
+    samples: NDArray[np.float64] | None
+    boundary: NDArray[np.bool_]
+    representatives: NDArray[np.int32]
+    outliers: NDArray[np.int32]
+    smoothing: Smoothing | None
+    method: str
+    estimator: str
+    search: str
+    num_neighbors: int
+    recall: float
+    timings: dict[str, float]
+    tangent_simplices: NDArray[np.int32] | None = None
+    edge_sets: EdgeSets | None = None
+    stars: Stars | None = None
+    unbounded: NDArray[np.bool_] | None = None
+    edge_rule: str | None = None
+    _report: dict[str, Any] = field(default_factory=dict)
+    _frames: tuple[NDArray[np.float64], NDArray[np.int32], float] | None = None
+
+    @property
+    def num_samples(self) -> int:
+        """N, copies included."""
+        return len(self.boundary)
+
+    @property
+    def num_vertices(self) -> int:
+        """The same: samples in no simplex count."""
+        return self.num_samples
+
+    @functools.cached_property
+    def tangents(self) -> NDArray[np.float64] | None:
+        """Orthonormal bases of the tangent spaces, (N, K, D); NaN where there is none.
+
+        None where only products are known. With many coordinates they are written out,
+        from `vertices`, when first asked for.
+        """
+        if self.vertices is None or self._frames is None:
+            return None
+        bases = _core.tangent_bases(self.vertices, *self._frames, 0, None)
+        bases.flags.writeable = False
+        return bases
+
+    @functools.cached_property
+    def repair(self) -> Repair:
+        """What was disputed and mended, and what the result lacks; computed once."""
+        own = self.representatives == np.arange(self.num_samples)
+        merged = int(np.count_nonzero(~own))
+        if self.edge_sets is None or self.stars is None:
+            return Repair(method=self.method, merged_samples=merged, **self._report)
+        report = _core.paper_report(
+            self.simplices,
+            *self.edge_sets,
+            *self.stars,
+            self.boundary,
+            0,
+            None,
+        )
+        used = np.zeros(self.num_samples, dtype=bool)
+        used[self.simplices.ravel()] = True
+        used[self.outliers] = True  # reported as such
+        none = np.empty(0, dtype=np.int32)
+        no_simplices = np.empty((0, self.dim + 1), dtype=np.int32)
+        return Repair(
+            method=self.method,
+            **report,
+            singular_vertices=none,
+            unused_vertices=np.flatnonzero(own & ~used).astype(np.int32),
+            merged_samples=merged,
+            hole_radius=float("nan"),
+            num_agreed=0,
+            disputed_simplices=no_simplices,
+            filled_simplices=no_simplices,
+            inserted_vertices=none,
+            num_cavities=0,
+            num_programs=0,
+            num_integer_programs=0,
+            num_unsolved=0,
+        )

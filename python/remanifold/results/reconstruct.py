@@ -1,0 +1,280 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The whole method in one call."""
+
+from __future__ import annotations
+
+import warnings
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from remanifold import _core
+from remanifold._base.progress import progress_callback
+from remanifold._base.validation import (
+    check_boundary,
+    check_choice,
+    check_dim,
+    check_int,
+    check_num_neighbors,
+    check_num_threads,
+    check_outliers,
+    check_positive,
+    check_samples,
+    check_smooth,
+)
+from remanifold.method.cleaning import as_points, smoothing_of
+from remanifold.method.dimension import find_dimension
+from remanifold.method.programs import solve_program
+from remanifold.method.steps import (
+    CHECKS,
+    EDGE_RULES,
+    ESTIMATORS,
+    SEARCHES,
+    EdgeSets,
+    Stars,
+    warn_of_recall,
+)
+from remanifold.results.reconstruction import Reconstruction
+from remanifold.warnings import ManifoldWarning
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from remanifold._base.progress import Callback
+
+METHODS = ("manifold", "paper")
+
+
+def reconstruct(
+    points: ArrayLike | None = None,
+    dim: int | str | None = None,
+    *,
+    method: str = "manifold",
+    boundary: str | bool | ArrayLike = "auto",
+    hole_radius: float | None = None,
+    outliers: str | bool | float | None = None,
+    smooth: str | bool | int = False,
+    gram: ArrayLike | None = None,
+    distances: ArrayLike | None = None,
+    num_neighbors: int | None = None,
+    estimator: str | None = None,
+    edges: str | None = None,
+    search: str = "auto",
+    checks: int = CHECKS,
+    num_threads: int | None = None,
+    progress: bool | Callback | None = None,
+) -> Reconstruction:
+    """Reconstruct a K-manifold from its samples.
+
+    Parameters
+    ----------
+    points : array_like, shape (N, D)
+        Samples; complex samples count as real ones of dimension 2 D.
+    dim : int or "auto"
+        K, the dimension of the manifold; "auto" for that of `estimate_dimension`, with a
+        `DimensionWarning` where its confidence is below a half.
+    method : {"manifold", "paper"}
+        The chain of least energy through the simplices that all samples agree on, or the
+        simplicial complex SC(X) of Freedman (2002).
+    boundary : {"auto", False} or array_like of bool, shape (N,)
+        Manifold method: holes wider than `hole_radius` stay open; everything is closed;
+        or faces may be open where all their vertices are marked.
+    hole_radius : float, optional
+        Radius of the smallest round hole that ``boundary="auto"`` leaves open, in units
+        of the local scale (the distance to the (2K+2)-th neighbor, for K = 2 about 1.4
+        times the root of the area per sample; for K = 1 to the sixth). By default from
+        3 for samples that lie at random to 1.4 for even ones.
+    outliers : "auto", False or float, optional
+        Distance from the manifold of the others at which a sample is left out, in local
+        scales; "auto", by default with the manifold method, is 2. See `find_outliers`.
+    smooth : False, "auto", True or int
+        Move the samples onto the manifold before: not at all, where they are noisy, in
+        any case, or by fits to so many neighbors. See `remanifold.smooth`.
+    gram, distances : array_like, shape (N, N), optional
+        Inner products or distances of the samples, instead of `points`. `gram` must be
+        positive semidefinite, and Hermitian if complex.
+    num_neighbors : int, optional
+        Neighbors per sample for the tangent spaces: by default 3 times the unknowns of a
+        quadratic fit, 3 (K + K (K+1) / 2); with the paper's method its r K = 10 K.
+    estimator : {"enclosure", "pca", "jet"}, optional
+        Tangent spaces, see `tangent_spaces`. "jet" by default, the paper's "enclosure"
+        with its method.
+    edges : {"mutual", "either"}, optional
+        Paper: edges seen from both ends (by default), or from at least one.
+    search : {"auto", "kdtree", "brute_force", "approximate"}
+        Neighbor search, see `neighborhoods`.
+    checks : int
+        Leaves the approximate search visits.
+    num_threads : int, optional
+        All cores by default. The result does not depend on it.
+    progress : bool or callable, optional
+        True for a bar, or a function of (step, done, total).
+
+    Returns
+    -------
+    Reconstruction
+
+    Raises
+    ------
+    ValueError
+        Samples empty, masked, not finite, of the wrong shape or too few; `dim` out of
+        range; `gram` not positive semidefinite or not Hermitian.
+    TypeError
+        Not numbers; `dim` not an integer.
+
+    References
+    ----------
+    D. Freedman, Efficient Simplicial Reconstructions of Manifolds from Their Samples,
+    IEEE Transactions on Pattern Analysis and Machine Intelligence 24(10), 2002.
+
+    Examples
+    --------
+    >>> import remanifold as rm
+    >>> rec = rm.reconstruct(rm.datasets.circle(100, random_state=0), 1)
+    >>> rec.topology().betti_numbers
+    (1, 1)
+    """
+    check_choice(method, "method", METHODS)
+    manifold = method == "manifold"
+    if estimator is None:
+        estimator = "jet" if manifold else "enclosure"
+    check_choice(estimator, "estimator", ESTIMATORS)
+    check_choice(search, "search", SEARCHES)
+    samples = check_samples(points, gram, distances)
+    if isinstance(dim, str) and dim == "auto":
+        dim = find_dimension(samples, check_num_threads(num_threads), progress)
+    k = check_dim(dim, samples)
+    if num_neighbors is None and manifold:
+        num_neighbors = 3 * (k + k * (k + 1) // 2)
+    neighbors = check_num_neighbors(num_neighbors, k)
+    checks = check_int(checks, "checks", minimum=1)
+    threads = check_num_threads(num_threads)
+    rule, mask = check_boundary(boundary, len(samples.matrix))
+    radius = 0.0 if hole_radius is None else check_positive(hole_radius, "hole_radius")
+    if manifold and edges is not None:
+        msg = 'edges is for method="paper" only'
+        raise ValueError(msg)
+    if not manifold and rule != "auto":
+        msg = 'boundary is for method="manifold" only'
+        raise ValueError(msg)
+    edges = "mutual" if edges is None else edges
+    check_choice(edges, "edges", EDGE_RULES)
+    distance = check_outliers(
+        ("auto" if manifold else False) if outliers is None else outliers
+    )
+    smoothing_neighbors, only_noise = check_smooth(smooth, k)
+    given = as_points(samples) if smoothing_neighbors >= 0 else samples
+    result: dict[str, Any]
+    with progress_callback(progress) as callback:
+        common = (given.kind, given.matrix, k, neighbors, estimator)
+        cleaning = (distance, smoothing_neighbors, only_noise)
+        if manifold:
+            result = _core.reconstruct_manifold(
+                *common,
+                rule,
+                mask,
+                radius,
+                *cleaning,
+                search,
+                checks,
+                solve_program,
+                threads,
+                callback,
+            )
+        else:
+            result = _core.reconstruct_paper(
+                *common, edges, *cleaning, search, checks, threads, callback
+            )
+    warn_of_recall(result["search"], result["recall"])
+    known = samples.kind == "points"
+    smoothing = None
+    if smoothing_neighbors >= 0:
+        smoothing = smoothing_of(given, result["cleaning"], known)
+    vertices = None
+    if known:
+        vertices = samples.matrix.view() if smoothing is None else smoothing.points
+    report = {}
+    paper: dict[str, Any] = {}
+    if manifold:
+        report = _finish_report(result["repair"], k, rule, mask)
+        if len(result["simplices"]) == 0:
+            warnings.warn(
+                f"no {k}-dimensional simplices: the samples span too little, or are too "
+                "far apart",
+                ManifoldWarning,
+                stacklevel=2,
+            )
+    else:
+        paper = {
+            "tangent_simplices": result["tangent_simplices"],
+            "edge_sets": EdgeSets(
+                result["edge_set_offsets"], result["edge_set_indices"]
+            ),
+            "stars": Stars(result["star_offsets"], result["star_simplices"]),
+            "unbounded": result["unbounded"],
+            "edge_rule": edges,
+        }
+    tangents = result["tangents"] if known else None
+    frames = tangents if isinstance(tangents, tuple) else None
+    rec = Reconstruction(
+        vertices=vertices,
+        samples=samples.matrix.view() if known else None,
+        simplices=result["simplices"],
+        boundary=result["boundary"],
+        representatives=result["representatives"],
+        outliers=result["cleaning"]["outliers"],
+        smoothing=smoothing,
+        method=method,
+        estimator=estimator,
+        search=result["search"],
+        num_neighbors=neighbors,
+        recall=result["recall"],
+        timings=result["timings"],
+        _report=report,
+        _frames=frames,
+        _products=None if known else (samples.kind, samples.matrix.view()),
+        **paper,
+    )
+    # What is known already fills the places of the cached properties.
+    computed = {"tangents": tangents, "edges": result.get("edges")}
+    for name, array in computed.items():
+        if isinstance(array, np.ndarray):
+            array.flags.writeable = False
+            vars(rec)[name] = array
+    return rec
+
+
+def _finish_report(
+    report: dict[str, Any], dim: int, rule: str, mask: NDArray[np.bool_]
+) -> dict[str, Any]:
+    """Sort the open faces into boundary and holes, and warn of what is no manifold."""
+    sets = _core.face_sets(report["open_faces"])
+    count = int(sets.max()) + 1 if len(sets) else 0
+    marked = np.full(len(sets), rule == "auto")
+    if rule == "given":
+        marked = mask[report["open_faces"]].all(axis=1)
+    in_hole = np.isin(sets, sets[~marked])
+    holes = len(np.unique(sets[~marked]))
+    report |= {
+        "num_boundary_components": count - holes,
+        "num_holes": holes,
+        "hole_faces": report["open_faces"][in_hole],
+        "unstarred_simplices": np.empty((0, dim + 1), dtype=np.int32),
+    }
+    lacks = [
+        f"{number} {what}"
+        for number, what in (
+            (len(report["callous_faces"]), "faces in more than two simplices"),
+            (len(report["singular_vertices"]), "vertices without a proper link"),
+            (holes, "holes where boundary= asks for none"),
+            (report["num_unsolved"], "cavities without a solution"),
+        )
+        if number
+    ]
+    if lacks:
+        warnings.warn(
+            f"the result lacks something: {', '.join(lacks)}; see repair.remaining()",
+            ManifoldWarning,
+            stacklevel=3,
+        )
+    return report

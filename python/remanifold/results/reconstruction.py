@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A reconstruction, with all that can be asked of it as methods."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from remanifold._base.read_only import ReadOnlyArrays
+from remanifold._base.validation import check_choice
+from remanifold.formats.writing import holds_fields
+from remanifold.judging.judged import QUALITY_FIELDS, JudgedReconstruction
+from remanifold.page.report_page import write_report
+from remanifold.results.simplicial_complex import SimplicialComplex
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import ArrayLike, NDArray
+
+    from remanifold.formats._source import StrPath
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Reconstruction(JudgedReconstruction, SimplicialComplex):
+    """A reconstructed manifold and the intermediate results. Arrays are read-only.
+
+    Attributes
+    ----------
+    vertices : ndarray, shape (N, D), float64, or None
+        Where the samples stand in the complex: `samples`, or `smoothing.points`.
+    samples : ndarray, shape (N, D), float64, or None
+        The samples, a view of the given array where that was C-contiguous float64; None
+        where only `gram` or `distances` were given. They are as good vertices as
+        `vertices`, noise included.
+    simplices : ndarray, shape (M, K+1), int32
+        K-simplices, rows in the order of their sorted vertices. Columns ascend, but with
+        the manifold method the last two may have changed places: where a set of simplices
+        connected through faces is orientable, the order of the columns orients them
+        alike, with positive volume where K = D and where K = D - 1 and the set is closed
+        (outward normals).
+    boundary : ndarray, shape (N,), bool
+        Samples on an open face (paper: samples without a tangent basis, BD).
+    representatives : ndarray, shape (N,), int32
+        Lowest index of the samples that coincide with each sample.
+    outliers : ndarray of int32
+        Samples left out, ascending: they do not lie on the manifold of the others.
+    smoothing : Smoothing or None
+        How noisy the samples were and what was done about it; None with
+        ``smooth=False``.
+    method, estimator, search : str
+        How the result was made.
+    num_neighbors : int
+        Neighbors per sample for the tangent spaces.
+    recall : float
+        Share of true neighbors found, below 1 only for the approximate search.
+    timings : dict of str to float
+        Wall seconds of each step. Whatever reads coordinates counts as neighborhoods.
+    tangent_simplices : ndarray, shape (N, K+1), int32
+        Paper: tangent basis tuples, nearest first; -1 where there is none. This and what
+        follows is None with the manifold method.
+    edge_sets : EdgeSets
+        Paper: edge set of each sample.
+    stars : Stars
+        Paper: K-simplices dual to the vertices of each local region, its sample first.
+    unbounded : ndarray, shape (N,), bool
+        Paper: samples whose local region is unbounded.
+    edge_rule : str
+        Paper: which edges count. `edges` are those of the graph whose cliques the
+        simplices are.
+    """
+
+    def __post_init__(self) -> None:
+        """The arrays come from the core: nothing to check."""
+        ReadOnlyArrays.__post_init__(self)
+
+    def __repr__(self) -> str:
+        ambient = (
+            "" if self.ambient_dim is None else f", ambient_dim={self.ambient_dim}"
+        )
+        return (
+            f"Reconstruction(samples={self.num_samples}{ambient}, dim={self.dim}, "
+            f"simplices={len(self.simplices)}, method={self.method!r})"
+        )
+
+    def report(
+        self,
+        path: StrPath,
+        title: str | None = None,
+        command: str | None = None,
+    ) -> None:
+        """Write a page that shows the result and says how far to trust it.
+
+        Parameters
+        ----------
+        path, title, command
+            As in `remanifold.write_report`.
+        """
+        write_report(self, path, title, command)
+
+    def write(
+        self,
+        path: StrPath,
+        fields: str | Mapping[str, ArrayLike] | None = "auto",
+        *,
+        format: str | None = None,
+    ) -> None:
+        """Write the complex to a file; its suffix names the format.
+
+        Parameters
+        ----------
+        path : str or path-like
+            The file, see `SimplicialComplex.write`.
+        fields : "auto", "all", None or mapping of str to array_like
+            Values at the vertices. "auto": those of `fields` that cost nothing, where
+            the format has fields. "all": those of `quality` too, which takes about as
+            long as the reconstruction if it has not been asked for before.
+        format : str, optional
+            The format by its suffix, such as "ply", whatever the name of the file.
+
+        Raises
+        ------
+        ValueError
+            If the format cannot hold the complex or the fields.
+        OSError
+            If the file cannot be written. Nothing is left behind.
+        """
+        if isinstance(fields, str):
+            check_choice(fields, "fields", ("auto", "all"))
+            if fields == "all" or holds_fields(path, format):
+                fields = self.fields(quality=True if fields == "all" else None)
+            else:
+                fields = None
+        super().write(path, fields, format=format)
+
+    def fields(self, *, quality: bool | None = None) -> dict[str, NDArray[Any]]:
+        """Values at the vertices, by their names, as files and viewers take them.
+
+        Parameters
+        ----------
+        quality : bool, optional
+            With the arrays of `quality`: by default if it has been computed already.
+
+        Returns
+        -------
+        dict of str to ndarray
+            Arrays of shape (N,). Always ``boundary`` and ``outlier``; with `quality`
+            ``spacing``, ``curvature``, ``reach``, ``sampling_ratio``,
+            ``tangent_confidence``, ``disputed``, ``fold``, ``gap`` and ``doubtful``.
+        """
+        outlier = np.zeros(self.num_samples, dtype=np.bool_)
+        outlier[self.outliers] = True
+        fields: dict[str, NDArray[Any]] = {
+            "boundary": self.boundary,
+            "outlier": outlier,
+        }
+        if quality is None:
+            quality = "quality" in vars(self)
+        if quality:
+            fields |= {name: getattr(self.quality, name) for name in QUALITY_FIELDS}
+        return fields
