@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from remanifold._base.optional import load
 from remanifold.complex.embedding import embed
-from remanifold.drawing.draw_plotly import figure
+from remanifold.drawing import draw_plotly
 from remanifold.drawing.scene import scene_of
 from remanifold.judging.judged import JudgedReconstruction
 from remanifold.page import report_parts as parts
@@ -234,7 +234,7 @@ def _figure(
         limit=MOST_SHOWN,
     )
     caption, scene.caption = scene.caption, []
-    drawn: dict[str, Any] = json.loads(figure(scene, "", None).to_json())
+    drawn: dict[str, Any] = json.loads(draw_plotly.figure(scene, "", None).to_json())
     return {"data": drawn["data"], "layout": drawn["layout"]}, caption
 
 
