@@ -50,6 +50,11 @@ def skip_member(_app, _what, _name, member, skip, _options):
     return skip or type(member).__name__ == "_tuplegetter"
 
 
+def only_public_bases(_app, _name, _object, _options, bases):
+    """Leave out the bases that hold the data: their members are shown as the class's."""
+    bases[:] = [base for base in bases if base.__name__ in remanifold.__all__]
+
+
 def link_readme(_app, _name, source):
     """The README is no page of the site: its place is taken by the first page."""
     source[0] = re.sub(r"\]\((\.\./)+README\.md", "](/index.md", source[0])
@@ -68,5 +73,6 @@ def resolve_in_package(app, env, node, contnode):
 def setup(app):
     """Connect them."""
     app.connect("autodoc-skip-member", skip_member)
+    app.connect("autodoc-process-bases", only_public_bases)
     app.connect("missing-reference", resolve_in_package)
     app.connect("source-read", link_readme)

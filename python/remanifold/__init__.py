@@ -99,3 +99,13 @@ __all__ = [
     "tangent_spaces",
     "write_report",
 ]
+
+# Pickles and messages name a class by where users find it, whatever file it is in.
+for _public in [globals()[name] for name in __all__]:
+    if isinstance(_public, type):
+        _public.__module__ = __name__
+
+
+def __dir__() -> list[str]:
+    """Public names: the rooms of the package are none."""
+    return sorted({*__all__, *(name for name in globals() if name.startswith("__"))})

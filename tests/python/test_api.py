@@ -580,6 +580,123 @@ def test_repr(method):
     assert repr(rec.repair).startswith(f"Repair(method={method!r}, ")
 
 
+def results():
+    """One of each public class, of both methods."""
+    for method in METHODS:
+        rec = rm.reconstruct(sample(2), 2, method=method, smooth=True)
+        yield from (rec, rec.topology(), rec.repair, rec.smoothing, rec.subset([0]))
+        yield from (rec.project(sample(2)), rec.sample(5), rm.embed(rec))
+    tangents = rm.tangent_spaces(sample(2), 2)
+    regions = rm.local_regions(sample(2), tangents.bases, tangents.boundary)
+    yield from (tangents, regions, regions.edge_sets, regions.stars)
+    yield from (rm.neighborhoods(sample(2), 4), rm.estimate_dimension(sample(2)))
+    yield rm.SimplicialComplex(sample(2), [[0, 1, 2]])
+
+
+def test_reprs_are_one_line():
+    seen = set()
+    for result in results():
+        text = repr(result)
+        assert text.startswith(f"{type(result).__name__}(")
+        assert len(text) <= 120
+        assert "\n" not in text
+        assert "array" not in text
+        seen.add(type(result).__name__)
+    classes = {name for name in rm.__all__ if isinstance(getattr(rm, name), type)}
+    warned = {name for name in classes if name.endswith("Warning")}
+    assert classes - warned - seen == {"Place", "Quality", "Reason", "Singularities"}
+
+
+SQUARE = [[0.0, 0.0], [3.0, 0.0], [3.0, 4.0], [0.0, 4.0]]
+
+
+@pytest.mark.parametrize(
+    ("result", "text"),
+    [
+        (
+            lambda c: c.topology(),
+            (
+                "Topology(dim=2, num_simplices=(4, 5, 2), betti_numbers=(1, 0, 0), "
+                "manifold=True, closed=False, orientable=True)"
+            ),
+        ),
+        (
+            lambda c: c.project([[4.0, 4.0], [1.0, 1.0]]),
+            "Projection(points=2, ambient_dim=2, dim=2, largest_distance=1.0)",
+        ),
+        (
+            lambda c: c.project(np.empty((0, 2))),
+            "Projection(points=0, ambient_dim=2, dim=2)",
+        ),
+        (lambda c: c.sample(3, 0), "PointsOnComplex(points=3, ambient_dim=2, dim=2)"),
+        (rm.embed, "Embedding(points=4, method='coordinates', kept=1.0)"),
+        (
+            lambda c: c.boundary_complex(),
+            "Subcomplex(vertices=4, ambient_dim=2, dim=1, simplices=4)",
+        ),
+        (
+            lambda c: rm.neighborhoods(c.vertices, 2),
+            "Neighborhoods(samples=4, num_neighbors=2)",
+        ),
+        (
+            lambda c: rm.tangent_spaces(c.vertices, 1),
+            "TangentSpaces(samples=4, ambient_dim=2, dim=1, boundary=4)",
+        ),
+        (
+            lambda _: rm.EdgeSets(np.arange(3), np.zeros(2)),
+            "EdgeSets(samples=2, indices=2)",
+        ),
+        (
+            lambda _: rm.Stars(np.arange(3), np.zeros((2, 3))),
+            "Stars(samples=2, dim=2, simplices=2)",
+        ),
+        (
+            lambda _: rm.Smoothing(np.zeros((7, 2)), 0.123456, 0.25, 9, 2),
+            (
+                "Smoothing(samples=7, moved=True, noise=0.1235, prediction_error=0.25, "
+                "num_neighbors=9, rounds=2)"
+            ),
+        ),
+    ],
+)
+def test_reprs_say_what_matters(result, text):
+    square = rm.SimplicialComplex(SQUARE, [[0, 1, 2], [0, 2, 3]])
+    assert repr(result(square)) == text
+
+
+def test_reprs_compute_nothing():
+    """Linear algebra would take long: the numbers are said once they are known."""
+    rng = np.random.default_rng(0)
+    topology = rm.reconstruct(rng.normal(size=(60, 3)), 3).topology()
+    assert "betti_numbers" not in repr(topology)
+    assert "components=1, " in repr(topology)
+    assert topology.betti_numbers[0] == 1
+    assert "betti_numbers=(1, " in repr(topology)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_repr_of_a_repair_counts_what_remains(method):
+    repair = rm.reconstruct(sample(2)[:100], 2, method=method).repair
+    assert repr(repair).endswith(f"remaining={len(repair.remaining())})")
+
+
+def test_public_classes_are_named_and_pickled_by_the_package():
+    for name in rm.__all__:
+        public = getattr(rm, name)
+        if isinstance(public, type):
+            assert public.__module__ == "remanifold"
+            assert pickled(public) is public
+    steps = rm.neighborhoods(sample(2), 3)
+    assert b"remanifold.method" not in pickle.dumps(steps)
+
+
+def test_dir_has_the_public_names_only():
+    names = {name for name in dir(rm) if not name.startswith("__")}
+    assert names == {*rm.__all__} - {"__version__"}
+    assert {"__version__", "__doc__"} <= {*dir(rm)}
+    assert importlib.import_module("remanifold.complex") is rm.complex
+
+
 # --- Composition ----------------------------------------------------------------
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from remanifold import _core
 from remanifold._base.read_only import ReadOnlyArrays
+from remanifold._base.text import one_line, rounded
 from remanifold._base.validation import check_choice
 from remanifold.complex.data import check_complex
 from remanifold.complex.measures import edge_lengths
@@ -27,7 +28,7 @@ TIE = 1e-9  # relative difference of distances below which they count as the sam
 EXACT_PCA = 2_000  # rows or columns up to which all eigenvalues are computed
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Embedding(ReadOnlyArrays):
     """Positions in space that stand for those of a complex. Arrays are read-only.
 
@@ -49,6 +50,11 @@ class Embedding(ReadOnlyArrays):
     method: str
     label: str
     kept: float
+
+    def __repr__(self) -> str:
+        return one_line(
+            self, points=len(self.points), method=self.method, kept=rounded(self.kept)
+        )
 
 
 def embed(complex: ComplexData, method: str = "auto") -> Embedding:

@@ -11,6 +11,7 @@ import numpy as np
 from remanifold._base.progress import progress_callback
 from remanifold._base.read_only import ReadOnlyArrays
 from remanifold._base.scaling import place_by_distances, place_by_products
+from remanifold._base.text import one_line, rounded
 from remanifold._base.validation import (
     check_int,
     check_num_threads,
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
     from remanifold.complex.data import ComplexData
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class PointsOnComplex(ReadOnlyArrays):
     """Points of a complex. Arrays are read-only.
 
@@ -44,11 +45,21 @@ class PointsOnComplex(ReadOnlyArrays):
     simplices: NDArray[np.int64]
     barycentric: NDArray[np.float64]
 
+    def __repr__(self) -> str:
+        return one_line(self, **self._summary())
+
+    def _summary(self) -> dict[str, object]:
+        return {
+            "points": len(self),
+            "ambient_dim": None if self.points is None else self.points.shape[1],
+            "dim": self.barycentric.shape[1] - 1,
+        }
+
     def __len__(self) -> int:
         return len(self.simplices)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Projection(PointsOnComplex):
     """The points of a complex nearest to others. Arrays are read-only.
 
@@ -61,6 +72,10 @@ class Projection(PointsOnComplex):
     """
 
     distances: NDArray[np.float64]
+
+    def _summary(self) -> dict[str, object]:
+        largest = rounded(float(self.distances.max())) if len(self) else None
+        return {**super()._summary(), "largest_distance": largest}
 
 
 def project(

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import functools
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,6 +12,7 @@ import numpy as np
 from remanifold import _core
 from remanifold._base.progress import progress_callback
 from remanifold._base.read_only import ReadOnlyArrays
+from remanifold._base.text import one_line
 from remanifold._base.validation import check_int, check_num_threads, check_simplices
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ def simplex_names(dim: int) -> list[str]:
     return (names + [f"{k}-simplices" for k in range(4, dim + 1)])[: dim + 1]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Topology(ReadOnlyArrays):
     """Topology of a pure K-dimensional complex.
 
@@ -69,9 +70,22 @@ class Topology(ReadOnlyArrays):
     orientable: bool
     boundary_components: int
     coface_counts: dict[int, int]
-    singular_vertices: NDArray[np.int32] = field(repr=False)
-    _simplices: NDArray[np.int32] = field(repr=False)
-    _closed_patches: tuple[int, int] | None = field(repr=False)
+    singular_vertices: NDArray[np.int32]
+    _simplices: NDArray[np.int32]
+    _closed_patches: tuple[int, int] | None
+
+    def __repr__(self) -> str:
+        known = self.counting_settles_homology or "_homology" in vars(self)
+        return one_line(
+            self,
+            dim=self.dim,
+            num_simplices=self.num_simplices,
+            betti_numbers=self.betti_numbers if known else None,
+            components=None if known else self.components,
+            manifold=self.manifold,
+            closed=self.closed,
+            orientable=self.orientable,
+        )
 
     @property
     def num_vertices(self) -> int:

@@ -12,6 +12,7 @@ from remanifold import _core
 from remanifold._base.progress import progress_callback
 from remanifold._base.read_only import ReadOnlyArrays
 from remanifold._base.scaling import classical_scaling
+from remanifold._base.text import one_line, rounded
 from remanifold._base.validation import (
     Input,
     check_choice,
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
     from remanifold._base.progress import Callback
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Smoothing(ReadOnlyArrays):
     """Samples moved onto the manifold, and how noisy they were.
 
@@ -57,6 +58,17 @@ class Smoothing(ReadOnlyArrays):
     prediction_error: float
     num_neighbors: int
     rounds: int
+
+    def __repr__(self) -> str:
+        return one_line(
+            self,
+            samples=None if self.points is None else len(self.points),
+            moved=self.moved,
+            noise=rounded(self.noise),
+            prediction_error=rounded(self.prediction_error),
+            num_neighbors=self.num_neighbors,
+            rounds=self.rounds,
+        )
 
     @property
     def moved(self) -> bool:

@@ -11,6 +11,7 @@ import numpy as np
 
 from remanifold import _core
 from remanifold._base.read_only import ReadOnlyArrays
+from remanifold._base.text import one_line
 from remanifold.complex.data import ComplexData
 
 if TYPE_CHECKING:
@@ -20,7 +21,17 @@ if TYPE_CHECKING:
     from remanifold.method.steps import EdgeSets, Stars
 
 
-@dataclass(frozen=True, eq=False)
+# What is left to mend, and the arrays of `Repair` that list it.
+_REMAINING = {
+    "open face": "hole_faces",
+    "callous face": "callous_faces",
+    "unstarred simplex": "unstarred_simplices",
+    "singular vertex": "singular_vertices",
+    "unused vertex": "unused_vertices",
+}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Repair(ReadOnlyArrays):
     """What was disputed, what was done about it, and what the result lacks.
 
@@ -91,6 +102,19 @@ class Repair(ReadOnlyArrays):
     num_integer_programs: int
     num_unsolved: int
 
+    def __repr__(self) -> str:
+        manifold = self.method == "manifold"
+        return one_line(
+            self,
+            method=self.method,
+            agreed=self.num_agreed if manifold else None,
+            disputed=len(self.disputed_simplices) if manifold else None,
+            filled=len(self.filled_simplices) if manifold else None,
+            boundary_components=self.num_boundary_components,
+            holes=self.num_holes,
+            remaining=sum(len(getattr(self, name)) for name in _REMAINING.values()),
+        )
+
     @property
     def num_callouses(self) -> int:
         """Faces in more than two simplices, and cliques in no star."""
@@ -99,14 +123,9 @@ class Repair(ReadOnlyArrays):
     def remaining(self) -> list[tuple[str, tuple[int, ...]]]:
         """All that is left to mend: the reason and the vertices of each place."""
         return [
-            *(("open face", tuple(f)) for f in self.hole_faces.tolist()),
-            *(("callous face", tuple(f)) for f in self.callous_faces.tolist()),
-            *(
-                ("unstarred simplex", tuple(s))
-                for s in self.unstarred_simplices.tolist()
-            ),
-            *(("singular vertex", (v,)) for v in self.singular_vertices.tolist()),
-            *(("unused vertex", (v,)) for v in self.unused_vertices.tolist()),
+            (reason, tuple(place))
+            for reason, name in _REMAINING.items()
+            for place in np.atleast_2d(getattr(self, name).T).T.tolist()
         ]
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from remanifold import _core
 from remanifold._base.progress import progress_callback
+from remanifold._base.text import one_line
 from remanifold._base.validation import (
     check_bases,
     check_choice,
@@ -41,6 +42,10 @@ class Neighborhoods(NamedTuple):
     indices: NDArray[np.int32]
     distances: NDArray[np.float64]
 
+    def __repr__(self) -> str:
+        samples, neighbors = self.indices.shape
+        return one_line(self, samples=samples, num_neighbors=neighbors)
+
 
 class TangentSpaces(NamedTuple):
     """Approximate tangent space of each sample."""
@@ -49,6 +54,15 @@ class TangentSpaces(NamedTuple):
     simplices: NDArray[np.int32]
     boundary: NDArray[np.bool_]
 
+    def __repr__(self) -> str:
+        return one_line(
+            self,
+            samples=len(self.boundary),
+            ambient_dim=None if self.bases is None else self.bases.shape[2],
+            dim=self.simplices.shape[1] - 1,
+            boundary=int(np.count_nonzero(self.boundary)),
+        )
+
 
 class EdgeSets(NamedTuple):
     """Edge set of each sample, in compressed rows."""
@@ -56,12 +70,23 @@ class EdgeSets(NamedTuple):
     offsets: NDArray[np.int64]
     indices: NDArray[np.int32]
 
+    def __repr__(self) -> str:
+        return one_line(self, samples=len(self.offsets) - 1, indices=len(self.indices))
+
 
 class Stars(NamedTuple):
     """Star of each sample, in compressed rows; offsets count simplices."""
 
     offsets: NDArray[np.int64]
     simplices: NDArray[np.int32]
+
+    def __repr__(self) -> str:
+        return one_line(
+            self,
+            samples=len(self.offsets) - 1,
+            dim=self.simplices.shape[1] - 1,
+            simplices=len(self.simplices),
+        )
 
 
 class LocalRegions(NamedTuple):
@@ -71,6 +96,16 @@ class LocalRegions(NamedTuple):
     stars: Stars
     unbounded: NDArray[np.bool_]
     radii: NDArray[np.float64]
+
+    def __repr__(self) -> str:
+        return one_line(
+            self,
+            samples=len(self.radii),
+            dim=self.stars.simplices.shape[1] - 1,
+            edges=len(self.edge_sets.indices),
+            simplices=len(self.stars.simplices),
+            unbounded=int(np.count_nonzero(self.unbounded)),
+        )
 
 
 def warn_of_recall(search: str, recall: float) -> None:

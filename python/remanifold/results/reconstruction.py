@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from remanifold._base.read_only import ReadOnlyArrays
+from remanifold._base.text import one_line
 from remanifold._base.validation import check_choice
 from remanifold.formats.writing import holds_fields
 from remanifold.judging.judged import QUALITY_FIELDS, JudgedReconstruction
@@ -77,12 +78,13 @@ class Reconstruction(JudgedReconstruction, SimplicialComplex):
         ReadOnlyArrays.__post_init__(self)
 
     def __repr__(self) -> str:
-        ambient = (
-            "" if self.ambient_dim is None else f", ambient_dim={self.ambient_dim}"
-        )
-        return (
-            f"Reconstruction(samples={self.num_samples}{ambient}, dim={self.dim}, "
-            f"simplices={len(self.simplices)}, method={self.method!r})"
+        return one_line(
+            self,
+            samples=self.num_samples,
+            ambient_dim=self.ambient_dim,
+            dim=self.dim,
+            simplices=len(self.simplices),
+            method=self.method,
         )
 
     def report(

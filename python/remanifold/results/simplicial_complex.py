@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from remanifold._base.read_only import ReadOnlyArrays
+from remanifold._base.text import one_line
 from remanifold._base.validation import check_cells, check_points
 from remanifold.complex import geodesics, parts, projection
 from remanifold.complex.data import ComplexData
@@ -73,12 +74,12 @@ class SimplicialComplex(ComplexData):
         super().__post_init__()
 
     def __repr__(self) -> str:
-        ambient = (
-            "" if self.ambient_dim is None else f", ambient_dim={self.ambient_dim}"
-        )
-        return (
-            f"{type(self).__name__}(vertices={self.num_vertices}{ambient}, "
-            f"dim={self.dim}, simplices={len(self.simplices)})"
+        return one_line(
+            self,
+            vertices=self.num_vertices,
+            ambient_dim=self.ambient_dim,
+            dim=self.dim,
+            simplices=len(self.simplices),
         )
 
     def write(

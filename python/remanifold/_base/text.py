@@ -1,0 +1,15 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Results as one line of text."""
+
+from __future__ import annotations
+
+
+def one_line(result: object, **values: object) -> str:
+    """Text for ``repr``: the class and what matters, without what is None."""
+    said = (f"{name}={value!r}" for name, value in values.items() if value is not None)
+    return f"{type(result).__name__}({', '.join(said)})"
+
+
+def rounded(value: float) -> float:
+    """Four digits of a number, for people."""
+    return float(f"{value:.4g}")
