@@ -23,8 +23,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from remanifold._base.files import StrPath
 from remanifold.formats._mesh import choose_simplices, without_degenerate
-from remanifold.formats._source import StrPath
 from remanifold.formats.reading import (
     WITH_SIMPLICES,
     read_fields,

@@ -4,6 +4,7 @@
 import html
 import io
 import json
+import os
 import re
 import time
 from html.parser import HTMLParser
@@ -244,7 +245,10 @@ def test_what_is_refused(torus, tmp_path):
     (tmp_path / "b.html").mkdir()
     with pytest.raises(IsADirectoryError):
         torus.report(tmp_path / "b.html")
-    assert [path.name for path in tmp_path.iterdir()] == ["b.html"]
+    os.mkfifo(tmp_path / "c.html")
+    with pytest.raises(ValueError, match="is not a regular file"):
+        torus.report(tmp_path / "c.html")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["b.html", "c.html"]
 
 
 def test_nothing_is_left_behind(torus, tmp_path, monkeypatch):
@@ -254,7 +258,7 @@ def test_nothing_is_left_behind(torus, tmp_path, monkeypatch):
     def full(*_, **__):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("pathlib.Path.write_text", full)
+    monkeypatch.setattr("pathlib.Path.replace", full)
     with pytest.raises(OSError, match="No space left"):
         torus.report(path)
     monkeypatch.undo()

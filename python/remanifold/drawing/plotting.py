@@ -4,12 +4,11 @@
 from __future__ import annotations
 
 import importlib
-import os
 import sys
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 from remanifold._base.optional import load
 from remanifold._base.validation import check_choice, check_int
@@ -23,10 +22,9 @@ from remanifold.drawing.scene import scene_of
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
+    from remanifold._base.files import StrPath
     from remanifold.complex.data import ComplexData
     from remanifold.drawing.scene import Scene
-
-StrPath: TypeAlias = str | os.PathLike[str]
 
 BACKENDS = ("auto", "pyvista", "plotly", "matplotlib")
 # Simplices beyond which a picture gets slow.

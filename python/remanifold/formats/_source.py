@@ -15,9 +15,10 @@ from typing import IO, Any, NoReturn, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from remanifold._base.files import StrPath
+
 FloatArray: TypeAlias = NDArray[np.float64]
 IntArray: TypeAlias = NDArray[np.int64]
-StrPath: TypeAlias = str | os.PathLike[str]
 
 _LARGEST = 2**62  # of an index, so that what is computed of it fits as well
 STANDARD = "-"  # standard input or output

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from remanifold._base.files import StrPath
 from remanifold.formats._las import read_las
 from remanifold.formats._mesh import FileMesh
 from remanifold.formats._obj import read_obj
@@ -18,7 +19,6 @@ from remanifold.formats._ply import read_ply
 from remanifold.formats._source import (
     FloatArray,
     Source,
-    StrPath,
     described,
     is_standard,
     suffix_of,

@@ -4,8 +4,6 @@
 from __future__ import annotations
 
 import io
-import os
-import secrets
 import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -14,6 +12,7 @@ from typing import IO, TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from remanifold._base.files import StrPath, check_target, complete_file
 from remanifold.complex.data import check_complex
 from remanifold.formats._gltf import write_glb, write_gltf
 from remanifold.formats._mesh import FileMesh, simplex_name
@@ -23,7 +22,6 @@ from remanifold.formats._ply import write_ply
 from remanifold.formats._source import (
     FloatArray,
     IntArray,
-    StrPath,
     described,
     is_standard,
     suffix_of,
@@ -224,7 +222,8 @@ def write_points(
         raise ValueError(msg)
     if WRITERS[suffix].three and array.shape[1] > 3:
         _refuse_coordinates(path, suffix, array.shape[1], POINT_WRITERS)
-    _check_target(path)
+    if not is_standard(path):
+        check_target(path)
     _write(path, mesh, format, POINT_WRITERS)
 
 
@@ -285,7 +284,7 @@ def check_output(
         others = ", ".join(fitting)
         msg = f"{path}: {suffix} cannot hold {simplex_name(dim)}; use {others}"
         raise ValueError(msg)
-    return _check_target(path)
+    return Path(path) if is_standard(path) else check_target(path)
 
 
 def _refuse_coordinates(
@@ -294,31 +293,6 @@ def _refuse_coordinates(
     others = ", ".join(s for s in fitting if not WRITERS[s].three)
     msg = f"{path}: {suffix} cannot hold points with {number} coordinates; use {others}"
     raise ValueError(msg)
-
-
-def _check_target(path: StrPath) -> Path:
-    path = Path(path)
-    if is_standard(path):
-        return path
-    if path.is_dir():
-        msg = f"{path}: is a directory, expected the name of a file"
-        raise IsADirectoryError(msg)
-    if path.exists() and not path.is_file():
-        msg = f"{path}: is not a regular file"
-        raise ValueError(msg)
-    folder = _final(path).parent
-    if not folder.is_dir():
-        msg = f"{path}: the folder {folder} does not exist"
-        raise FileNotFoundError(msg)
-    if not os.access(folder, os.W_OK):
-        msg = f"{path}: no permission to write to the folder {folder}"
-        raise PermissionError(msg)
-    return path
-
-
-def _final(path: Path) -> Path:
-    """Follow links: a file behind a link is replaced, not the link."""
-    return Path(os.path.realpath(path))
 
 
 def _write(
@@ -347,19 +321,8 @@ def _write(
         sys.stdout.buffer.write(held.getvalue())
         sys.stdout.buffer.flush()
         return
-    target = Path(path)
-    # Written beside the target, so that the last step is a rename within one folder.
-    final = _final(target)
-    partial = final.with_name(f".{final.stem}-{secrets.token_hex(6)}{suffix}")
-    try:
-        with partial.open("wb") as file:
-            writer.write(file, mesh)
-        partial.replace(final)
-    except OSError as error:
-        msg = f"{target}: cannot write the file ({error.strerror or error})"
-        raise OSError(error.errno, msg) from error
-    finally:
-        partial.unlink(missing_ok=True)
+    with complete_file(path) as file:
+        writer.write(file, mesh)
 
 
 def _check_vertices(vertices: ArrayLike, name: str) -> FloatArray:

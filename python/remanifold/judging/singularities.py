@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from remanifold import _core
 from remanifold._base.read_only import ReadOnlyArrays
 from remanifold._base.validation import (
     check_dim,
@@ -695,16 +696,10 @@ def _is_cone(bases: Floats, along: Floats) -> bool:
     vectors /= _positive(np.linalg.norm(vectors, axis=1, keepdims=True))
     apart = _disagreement(bases[None], bases[None])[0]
     joined = (vectors @ vectors.T >= np.cos(np.radians(30.0))) & (apart <= 0.25)
-    labels = np.arange(len(vectors))
-    while True:
-        lower = np.where(joined, labels, len(labels)).min(axis=1)
-        if (lower == labels).all():
-            break
-        labels = lower
     closed = 0
     dim = bases.shape[1]
-    for label in np.unique(labels):
-        piece = vectors[labels == label]
+    for members in _connected(np.argwhere(joined), len(vectors)):
+        piece = vectors[members]
         if len(piece) < 8:
             continue
         mean = piece.mean(axis=0)
@@ -767,22 +762,18 @@ def _groups(marked: Bools, near: NDArray[np.int32]) -> list[NDArray[np.int32]]:
     position = np.full(len(marked), len(rows))
     position[rows] = np.arange(len(rows))
     links = position[near[rows]]  # what is not marked points behind the last
-    labels = np.append(np.arange(len(rows)), len(rows))
-    while True:
-        lowest = np.minimum(labels[:-1], labels[links].min(axis=1, initial=len(rows)))
-        new = labels.copy()
-        new[:-1] = lowest
-        valid = links < len(rows)
-        np.minimum.at(
-            new, links[valid], np.broadcast_to(lowest[:, None], links.shape)[valid]
-        )
-        new[:-1] = new[new[:-1]]
-        if (new == labels).all():
-            break
-        labels = new
-    return [
-        rows[labels[:-1] == label].astype(np.int32) for label in np.unique(labels[:-1])
-    ]
+    linked, columns = np.nonzero(links < len(rows))
+    pairs = np.column_stack([linked, links[linked, columns]])
+    return [rows[own].astype(np.int32) for own in _connected(pairs, len(rows))]
+
+
+def _connected(pairs: NDArray[np.intp], count: int) -> list[NDArray[np.intp]]:
+    """Sets connected by pairs, of all numbers below `count`, by their lowest member."""
+    itself = np.arange(count)[:, None].repeat(2, axis=1)
+    edges = np.concatenate([itself, pairs]).astype(np.int32)
+    labels = _core.component_labels(edges, count)
+    order = np.argsort(labels, kind="stable")
+    return np.split(order, np.cumsum(np.bincount(labels))[:-1]) if count else []
 
 
 def _verdict(dim: int, places: list[Place]) -> str:

@@ -4,12 +4,11 @@
 from __future__ import annotations
 
 import json
-import os
-import secrets
 from importlib import resources
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
+from remanifold._base.files import StrPath, check_target, complete_file
 from remanifold._base.optional import load
 from remanifold.complex.embedding import embed
 from remanifold.drawing import draw_plotly
@@ -20,8 +19,6 @@ from remanifold.page.html import json_text, text
 
 if TYPE_CHECKING:
     from remanifold.complex.embedding import Embedding
-
-StrPath: TypeAlias = str | os.PathLike[str]
 
 SUFFIXES = (".html", ".htm")
 MOST_SHOWN = 40_000  # simplices that a phone still turns
@@ -78,17 +75,8 @@ def write_report(
     _check(rec, {"title": title, "command": command})
     target = check_page(path)
     page = _page(rec, title or _default_title(rec), command)
-    # Written beside the target, so that the last step is a rename within one folder.
-    final = Path(os.path.realpath(target))
-    partial = final.with_name(f".{secrets.token_hex(6)}.html")
-    try:
-        partial.write_text(page, encoding="utf-8")
-        partial.replace(final)
-    except OSError as error:
-        msg = f"{target}: cannot write the file ({error.strerror or error})"
-        raise OSError(error.errno, msg) from error
-    finally:
-        partial.unlink(missing_ok=True)
+    with complete_file(target) as file:
+        file.write(page.encode())
 
 
 def _check(rec: object, texts: dict[str, Any]) -> None:
@@ -107,17 +95,7 @@ def check_page(path: StrPath) -> Path:
     if target.suffix.lower() not in SUFFIXES:
         msg = f"{target}: a report is a page, use .html or .htm"
         raise ValueError(msg)
-    if target.is_dir():
-        msg = f"{target}: is a directory, expected the name of a file"
-        raise IsADirectoryError(msg)
-    folder = Path(os.path.realpath(target)).parent
-    if not folder.is_dir():
-        msg = f"{target}: the folder {folder} does not exist"
-        raise FileNotFoundError(msg)
-    if not os.access(folder, os.W_OK):
-        msg = f"{target}: no permission to write to the folder {folder}"
-        raise PermissionError(msg)
-    return target
+    return check_target(target)
 
 
 def _default_title(rec: JudgedReconstruction) -> str:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
-    from remanifold.formats._source import StrPath
+    from remanifold._base.files import StrPath
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)

@@ -24,10 +24,10 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
+    from remanifold._base.files import StrPath
     from remanifold._base.progress import Callback
     from remanifold.complex.parts import Part
     from remanifold.complex.projection import PointsOnComplex, Projection
-    from remanifold.formats._source import StrPath
 
 
 @dataclass(frozen=True, eq=False, repr=False)
