@@ -11,38 +11,48 @@ SHELL := /bin/bash
 export CMAKE_BUILD_PARALLEL_LEVEL ?= $(JOBS)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-# `make bench` calls again with values of its own for what stands here: its
-# packages are not for everybody.
+# `make bench` and `make test-lowest` call again with values of their own for what stands
+# here: their packages are not for everybody.
 VENV := .venv
 BIN := $(VENV)/bin
 BUILD := build/python
 EXTRAS := gallery plot test
+PINS := pinned# or lowest, newest: see .ci/install.sh
 TESTS := ON
+PEERS := OFF
 MORE_PACKAGES :=
 ENVIRONMENT := $(VENV)/.environment
 LINTERS := $(VENV)/.linters
 DOCUMENTERS := $(VENV)/.documenters
 PACKAGE := $(VENV)/.package
+INSTALL := .ci/install.sh $(BIN) $(PINS)
+VERSIONS := pyproject.toml .ci/constraints.txt .ci/install.sh .ci/requirements.py
 
 # The C++ tests and the benchmarks share the build of the Python module: the core is
 # compiled once.
 BUILD_SETTINGS := \
   --config-settings=build-dir=$(BUILD) \
   --config-settings=cmake.define.REMANIFOLD_BUILD_TESTS=$(TESTS) \
-  --config-settings=cmake.define.REMANIFOLD_BUILD_BENCHMARKS=ON
+  --config-settings=cmake.define.REMANIFOLD_BUILD_BENCHMARKS=ON \
+  --config-settings=cmake.define.REMANIFOLD_BUILD_PEERS=$(PEERS)
 
 SOURCES := CMakeLists.txt README.md pyproject.toml $(shell find cpp python tests/cpp \
   tests/CMakeLists.txt benchmarks/CMakeLists.txt benchmarks/cpp -type f \
   -not -path '*/__pycache__/*')
 
 .NOTPARALLEL:
-.PHONY: all demo test test-cpp test-python test-consumers bench bench-docs bench-steps \
-  side-by-side side-by-side-docs docs wheel lint format system-packages clean distclean
+.PHONY: all demo check test test-cpp test-python test-consumers test-lowest test-newest \
+  smoke constraints bench bench-docs bench-steps side-by-side side-by-side-docs docs \
+  wheel lint format system-packages clean distclean
 
 all: $(PACKAGE)
 
 demo: $(PACKAGE)
 	$(BIN)/python docs/examples/demo.py
+
+# For the loop of editing: all of C++, and the tests of Python that are fast.
+check: test-cpp
+	$(BIN)/python -m pytest -q -n $(JOBS) --maxprocesses 4 -m "not slow"
 
 test: test-cpp test-consumers test-python
 
@@ -55,6 +65,19 @@ test-consumers: $(PACKAGE)
 test-python: $(PACKAGE)
 	$(BIN)/python -m pytest -n $(JOBS) --maxprocesses 4
 
+# The tests of Python with other versions of the dependencies: the lowest that
+# pyproject.toml allows, the newest that exist.
+test-lowest test-newest: test-%:
+	+$(MAKE) VENV=.venv-$* BUILD=build/$* TESTS=OFF PINS=$* test-python
+
+# The source distribution and the wheel made from it, where there is nothing else.
+smoke: | $(BIN)/python
+	.ci/smoke.sh $(PYTHON)
+
+# New pins. With them, run everything.
+constraints: | system-packages
+	$(PYTHON) .ci/constraints.py
+
 # Beside its peers. make bench ARGS="--shape torus --samples 10000,100000 --json FILE"
 bench:
 	+$(MAKE) $(BENCH) side-by-side
@@ -65,7 +88,7 @@ bench-docs:
 
 # Open3D wants the last three packages.
 BENCH := VENV=.venv-bench BUILD=build/bench EXTRAS="bench plot" TESTS=OFF \
-  MORE_PACKAGES="libegl1 libusb-1.0-0 libx11-6"
+  PEERS=ON PINS=newest MORE_PACKAGES="libegl1 libusb-1.0-0 libx11-6"
 MEASURE = $(BIN)/python benchmarks/side_by_side.py \
   --driver $(BUILD)/benchmarks/remanifold_peers
 MEASURE_FOR_DOCS = $(MEASURE) --cpu --time-limit 120 $(ARGS)
@@ -115,19 +138,16 @@ system-packages:
 $(BIN)/python: | system-packages
 	$(PYTHON) -m venv $(VENV)
 
-$(ENVIRONMENT): pyproject.toml .ci/requirements.py | $(BIN)/python
-	$(BIN)/python .ci/requirements.py build runtime $(EXTRAS) \
-	  | xargs -d '\n' $(BIN)/python -m pip install
+$(ENVIRONMENT): $(VERSIONS) | $(BIN)/python
+	$(INSTALL) build runtime $(EXTRAS)
 	touch $@
 
-$(LINTERS): pyproject.toml .ci/requirements.py | $(BIN)/python
-	$(BIN)/python .ci/requirements.py dev \
-	  | xargs -d '\n' $(BIN)/python -m pip install
+$(LINTERS): $(VERSIONS) | $(BIN)/python
+	$(INSTALL) dev
 	touch $@
 
-$(DOCUMENTERS): pyproject.toml .ci/requirements.py | $(BIN)/python
-	$(BIN)/python .ci/requirements.py docs \
-	  | xargs -d '\n' $(BIN)/python -m pip install
+$(DOCUMENTERS): $(VERSIONS) | $(BIN)/python
+	$(INSTALL) docs
 	touch $@
 
 $(PACKAGE): $(ENVIRONMENT) $(SOURCES) | system-packages
@@ -140,4 +160,4 @@ clean:
 	rm -f .venv*/.package
 
 distclean: clean
-	rm -rf .venv .venv-bench
+	rm -rf .venv .venv-*

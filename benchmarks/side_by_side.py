@@ -305,7 +305,7 @@ def missing_peers(names: Sequence[str], driver: Path | None) -> dict[str, str]:
         if module is None:
             if driver is None or not driver.is_file():
                 reasons[None] = (
-                    "no remanifold_peers: build with REMANIFOLD_BUILD_BENCHMARKS=ON "
+                    "no remanifold_peers: build with REMANIFOLD_BUILD_PEERS=ON "
                     "and say --driver FILE"
                 )
             continue

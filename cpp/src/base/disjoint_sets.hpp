@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Sets of numbers that are joined and never split (union-find).
 #pragma once
 
 #include "remanifold/types.hpp"

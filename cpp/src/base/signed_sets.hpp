@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Sets that are joined and never split, with a sign between any two of their members:
+// what orients simplices alike, or says that it cannot be done.
 #pragma once
 
 #include "remanifold/types.hpp"

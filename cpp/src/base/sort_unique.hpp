@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// A vector sorted, with each value once.
 #pragma once
 
 #include <algorithm>
