@@ -25,7 +25,7 @@ HEADER = """\
 def runs(python):
     """Whether there is such a Python; a shim without one behind it is none."""
     try:
-        done = subprocess.run([python, "--version"], capture_output=True)
+        done = subprocess.run([python, "--version"], capture_output=True, check=False)
     except OSError:
         return False
     return done.returncode == 0
@@ -42,7 +42,9 @@ def resolve(minor, wanted, folder):
     subprocess.run([*ask, "--report", report, *wanted], check=True)
     found = json.loads(report.read_text(encoding="utf-8"))["install"]
     return {
-        re.sub(r"[-_.]+", "-", item["metadata"]["name"]).lower(): item["metadata"]["version"]
+        re.sub(r"[-_.]+", "-", item["metadata"]["name"]).lower(): item["metadata"][
+            "version"
+        ]
         for item in found
     }
 
@@ -60,7 +62,9 @@ def main():
     """Resolve for each Python and write what differs with a marker."""
     known = [minor for minor in PYTHONS if runs(f"python3.{minor}")]
     print("constraints: for Python", ", ".join(f"3.{minor}" for minor in known))
-    wanted = {each for name, some in groups().items() if name != "bench" for each in some}
+    wanted = {
+        each for name, some in groups().items() if name != "bench" for each in some
+    }
     with tempfile.TemporaryDirectory() as folder:
         versions = {minor: resolve(minor, sorted(wanted), folder) for minor in known}
     lines = []

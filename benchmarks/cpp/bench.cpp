@@ -224,7 +224,7 @@ Run run(const Cloud& cloud, const remanifold::ReconstructOptions& options,
   const double prepare = seconds_since(start);
   if (manifold) {
     const auto reconstruction =
-        remanifold::reconstruct_manifold(samples, options, {}, {}, execution);
+        remanifold::reconstruct(samples, options, {}, execution);
     result.total = seconds_since(start);
     result.seconds = reconstruction.seconds;
     result.seconds.prepare = prepare;
@@ -232,7 +232,8 @@ Run run(const Cloud& cloud, const remanifold::ReconstructOptions& options,
     result.unsolved = reconstruction.report.unsolved;
     return result;
   }
-  const auto reconstruction = remanifold::reconstruct(samples, options, execution);
+  const auto reconstruction =
+      remanifold::reconstruct_paper(samples, options, execution);
   result.total = seconds_since(start);
   result.seconds = reconstruction.seconds;
   result.seconds.prepare = prepare;
@@ -284,11 +285,11 @@ int bench(const std::map<std::string, std::string>& arguments) {
     throw std::invalid_argument("--points needs --dim");
   }
   remanifold::ReconstructOptions options;
-  options.tangent.dim = std::stoi(
+  options.dim = std::stoi(
       get("dim", file.empty() ? std::to_string(shape->second.dim) : std::string()));
-  options.tangent.estimator = estimator == "jet"   ? remanifold::Estimator::kJet
-                              : estimator == "pca" ? remanifold::Estimator::kPca
-                                                   : remanifold::Estimator::kEnclosure;
+  options.estimator = estimator == "jet"   ? remanifold::Estimator::kJet
+                      : estimator == "pca" ? remanifold::Estimator::kPca
+                                           : remanifold::Estimator::kEnclosure;
 
   std::printf("%10s %5s %3s | %8s %8s %8s %8s %8s | %8s %8s %6s | %10s %8s\n",
               "samples", "D", "K", "prepare", "neighb.", "tangent", "regions",
@@ -317,8 +318,8 @@ int bench(const std::map<std::string, std::string>& arguments) {
     const double total = median(runs, [](const Run& r) { return r.total; });
     const double flann = median(runs, [](const Run& r) { return r.flann; });
     std::printf("%10lld %5d %3d | %8.3f %8.3f %8.3f %8.3f %8.3f | %8.3f",
-                static_cast<long long>(cloud.size()), cloud.ambient_dim,
-                options.tangent.dim, of(&Seconds::prepare), of(&Seconds::neighborhoods),
+                static_cast<long long>(cloud.size()), cloud.ambient_dim, options.dim,
+                of(&Seconds::prepare), of(&Seconds::neighborhoods),
                 of(&Seconds::tangent_spaces), of(&Seconds::local_regions),
                 of(&Seconds::complex), total);
     if (with_flann) {

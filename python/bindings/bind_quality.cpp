@@ -7,17 +7,15 @@
 namespace remanifold::python {
 namespace {
 
-py::dict quality(const std::string& kind, const InputArray<double>& matrix,
-                 const InputArray<Index>& simplices, Index num_neighbors,
-                 const std::string& search, int checks, int num_threads,
-                 const py::object& progress) {
+py::dict quality(const Input& input, const InputArray<Index>& simplices,
+                 Index num_neighbors, const std::string& search, int checks,
+                 int num_threads, const py::object& progress) {
   const SimplexArray complex{static_cast<int>(simplices.shape(1)),
                              to_vector(simplices)};
   const QualityOptions options{complex.arity - 1, num_neighbors};
   const SearchOptions searching = search_options(search, checks);
-  const MatrixView input = view(matrix);
   SamplingQuality result = run(num_threads, progress, [&](const Execution& execution) {
-    const Samples samples = make_samples(kind, input, execution);
+    const Samples samples = input.samples(execution);
     const NeighborSearch index(samples, searching, execution);
     return measure_quality(samples, index, complex, options, execution);
   });
@@ -38,10 +36,10 @@ py::dict quality(const std::string& kind, const InputArray<double>& matrix,
 }  // namespace
 
 void bind_quality(py::module_& module) {
-  module.def("quality", &quality, py::arg("kind"), py::arg("matrix").noconvert(),
-             py::arg("simplices").noconvert(), py::arg("num_neighbors"),
-             py::arg("search"), py::arg("checks"), py::arg("num_threads"),
-             py::arg("progress"));
+  using py::arg;
+  module.def("quality", &quality, arg("samples"), arg("simplices").noconvert(),
+             py::kw_only(), arg("num_neighbors"), arg("search"), arg("checks"),
+             arg("num_threads"), arg("progress"));
 }
 
 }  // namespace remanifold::python

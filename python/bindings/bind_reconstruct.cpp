@@ -3,7 +3,9 @@
 #include "options.hpp"
 #include "run.hpp"
 
-#include <algorithm>
+#include <pybind11/stl.h>
+
+#include <optional>
 #include <utility>
 
 namespace remanifold::python {
@@ -31,15 +33,34 @@ py::object tangents_of(std::vector<double>&& bases, TangentFrames&& frames,
                         frames.scale);
 }
 
-/// \param outlier_distance  0 keeps all samples
-/// \param smoothing  -1: none, 0: by cross-validation, or neighbors
-/// \param only_noise  leaves samples without noise alone
-void set_cleaning(double outlier_distance, Index smoothing, bool only_noise,
-                  ReconstructOptions& options) {
+/// None stands for the default of the method.
+ReconstructOptions make_options(int dim, Index num_neighbors,
+                                const std::optional<std::string>& estimator,
+                                const std::string& edges, const std::string& boundary,
+                                const std::optional<InputArray<bool>>& boundary_samples,
+                                double hole_radius,
+                                std::optional<double> outlier_distance, bool smooth,
+                                Index smoothing_neighbors, bool only_noise,
+                                const std::string& search, int checks) {
+  ReconstructOptions options;
+  options.dim = dim;
+  options.num_neighbors = num_neighbors;
+  if (estimator) {
+    options.estimator = value_of(kEstimators, *estimator, "estimator");
+  }
+  options.edges = value_of(kEdgeRules, edges, "edges");
+  options.manifold.boundary = value_of(kBoundaryRules, boundary, "boundary");
+  if (boundary_samples) {
+    options.manifold.boundary_samples.assign(
+        boundary_samples->data(), boundary_samples->data() + boundary_samples->size());
+  }
+  options.manifold.hole_radius = hole_radius;
   options.outlier_distance = outlier_distance;
-  options.smooth = smoothing >= 0;
-  options.smoothing.num_neighbors = std::max<Index>(0, smoothing);
+  options.smooth = smooth;
+  options.smoothing.num_neighbors = smoothing_neighbors;
   options.smoothing.only_noise = only_noise;
+  options.search = search_options(search, checks);
+  return options;
 }
 
 py::dict to_dict(Cleaning&& cleaning, py::ssize_t ambient_dim) {
@@ -56,39 +77,23 @@ py::dict to_dict(Cleaning&& cleaning, py::ssize_t ambient_dim) {
   return out;
 }
 
-py::dict clean_samples(const std::string& kind, const InputArray<double>& matrix,
-                       int dim, double outlier_distance, Index smoothing,
-                       bool only_noise, const std::string& search, int checks,
+py::dict clean_samples(const Input& input, const ReconstructOptions& options,
                        int num_threads, const py::object& progress) {
-  ReconstructOptions options;
-  options.tangent.dim = dim;
-  options.search = search_options(search, checks);
-  set_cleaning(outlier_distance, smoothing, only_noise, options);
-  const MatrixView input = view(matrix);
   return to_dict(run(num_threads, progress,
                      [&](const Execution& execution) {
-                       const Samples samples = make_samples(kind, input, execution);
-                       return clean(samples, options, execution);
+                       return clean(input.samples(execution), options, execution);
                      }),
-                 matrix.shape(1));
+                 input.columns());
 }
 
-py::dict reconstruct_paper(const std::string& kind, const InputArray<double>& matrix,
-                           int dim, Index num_neighbors, const std::string& estimator,
-                           const std::string& edges, double outlier_distance,
-                           Index smoothing, bool only_noise, const std::string& search,
-                           int checks, int num_threads, const py::object& progress) {
-  ReconstructOptions options;
-  options.tangent = {dim, num_neighbors, estimator_of(estimator)};
-  options.search = search_options(search, checks);
-  set_cleaning(outlier_distance, smoothing, only_noise, options);
-  options.edges = edge_rule(edges);
-  const MatrixView input = view(matrix);
-  Reconstruction result = run(num_threads, progress, [&](const Execution& execution) {
-    const Samples samples = make_samples(kind, input, execution);
-    return reconstruct(samples, options, execution);
-  });
-  const py::ssize_t rows = matrix.shape(0);
+py::dict paper(const Input& input, const ReconstructOptions& options, int num_threads,
+               const py::object& progress) {
+  PaperReconstruction result =
+      run(num_threads, progress, [&](const Execution& execution) {
+        return reconstruct_paper(input.samples(execution), options, execution);
+      });
+  const int dim = options.dim;
+  const py::ssize_t rows = input.rows();
   const auto star_count = static_cast<py::ssize_t>(result.stars.offsets.back());
   py::dict out;
   out["simplices"] = to_numpy(std::move(result.simplices));
@@ -98,9 +103,9 @@ py::dict reconstruct_paper(const std::string& kind, const InputArray<double>& ma
   out["star_offsets"] = to_numpy(std::move(result.stars.offsets));
   out["star_simplices"] =
       to_numpy(std::move(result.stars.indices), {star_count, dim + 1});
-  if (kind == "points") {
+  if (input.points()) {
     out["tangents"] = tangents_of(std::move(result.tangents), std::move(result.frames),
-                                  rows, dim, matrix.shape(1));
+                                  rows, dim, input.columns());
   } else {
     out["tangents"] = py::none();
   }
@@ -109,11 +114,11 @@ py::dict reconstruct_paper(const std::string& kind, const InputArray<double>& ma
   out["boundary"] = to_bool_array(std::move(result.boundary));
   out["unbounded"] = to_bool_array(std::move(result.unbounded));
   out["representatives"] = to_numpy(std::move(result.representatives));
-  out["search"] = search_name(result.search);
+  out["search"] = name_of(kSearches, result.search);
   out["recall"] = result.recall;
   out["neighbors_used"] = result.neighbors_used;
   out["vacuous_constraints"] = result.vacuous_constraints;
-  out["cleaning"] = to_dict(std::move(result.cleaning), matrix.shape(1));
+  out["cleaning"] = to_dict(std::move(result.cleaning), input.columns());
   out["timings"] = timings(result.seconds);
   return out;
 }
@@ -146,40 +151,25 @@ ProgramSolver program_solver(const py::object& function, const Execution& execut
   };
 }
 
-py::dict reconstruct_with_chain(
-    const std::string& kind, const InputArray<double>& matrix, int dim,
-    Index num_neighbors, const std::string& estimator, const std::string& boundary,
-    const InputArray<bool>& boundary_samples, double hole_radius,
-    double outlier_distance, Index smoothing, bool only_noise,
-    const std::string& search, int checks, const py::object& solve, int num_threads,
-    const py::object& progress) {
-  ReconstructOptions options;
-  options.tangent = {dim, num_neighbors, estimator_of(estimator)};
-  options.search = search_options(search, checks);
-  set_cleaning(outlier_distance, smoothing, only_noise, options);
-  ManifoldOptions manifold;
-  manifold.boundary = boundary_rule(boundary);
-  manifold.boundary_samples.assign(boundary_samples.data(),
-                                   boundary_samples.data() + boundary_samples.size());
-  manifold.hole_radius = hole_radius;
-  const MatrixView input = view(matrix);
-  ManifoldReconstruction result =
-      run(num_threads, progress, [&](const Execution& execution) {
-        const Samples samples = make_samples(kind, input, execution);
-        return reconstruct_manifold(samples, options, manifold,
-                                    program_solver(solve, execution), execution);
-      });
+py::dict manifold(const Input& input, const ReconstructOptions& options,
+                  const py::object& solve, int num_threads,
+                  const py::object& progress) {
+  Reconstruction result = run(num_threads, progress, [&](const Execution& execution) {
+    return reconstruct(input.samples(execution), options,
+                       program_solver(solve, execution), execution);
+  });
+  const int dim = options.dim;
   py::dict out;
   out["simplices"] = to_numpy(std::move(result.simplices));
-  if (kind == "points") {
+  if (input.points()) {
     out["tangents"] = tangents_of(std::move(result.tangents), std::move(result.frames),
-                                  matrix.shape(0), dim, matrix.shape(1));
+                                  input.rows(), dim, input.columns());
   } else {
     out["tangents"] = py::none();
   }
   out["boundary"] = to_bool_array(std::move(result.boundary));
   out["representatives"] = to_numpy(std::move(result.representatives));
-  out["search"] = search_name(result.search);
+  out["search"] = name_of(kSearches, result.search);
   out["recall"] = result.recall;
   ManifoldReport& report = result.report;
   py::dict repair;
@@ -197,7 +187,7 @@ py::dict reconstruct_with_chain(
   repair["num_integer_programs"] = report.integer_programs;
   repair["num_unsolved"] = report.unsolved;
   out["repair"] = repair;
-  out["cleaning"] = to_dict(std::move(result.cleaning), matrix.shape(1));
+  out["cleaning"] = to_dict(std::move(result.cleaning), input.columns());
   out["timings"] = timings(result.seconds);
   return out;
 }
@@ -205,22 +195,26 @@ py::dict reconstruct_with_chain(
 }  // namespace
 
 void bind_reconstruct(py::module_& module) {
-  module.def("clean", &clean_samples, py::arg("kind"), py::arg("matrix").noconvert(),
-             py::arg("dim"), py::arg("outlier_distance"), py::arg("smoothing"),
-             py::arg("only_noise"), py::arg("search"), py::arg("checks"),
-             py::arg("num_threads"), py::arg("progress"));
-  module.def("reconstruct_paper", &reconstruct_paper, py::arg("kind"),
-             py::arg("matrix").noconvert(), py::arg("dim"), py::arg("num_neighbors"),
-             py::arg("estimator"), py::arg("edges"), py::arg("outlier_distance"),
-             py::arg("smoothing"), py::arg("only_noise"), py::arg("search"),
-             py::arg("checks"), py::arg("num_threads"), py::arg("progress"));
-  module.def("reconstruct_manifold", &reconstruct_with_chain, py::arg("kind"),
-             py::arg("matrix").noconvert(), py::arg("dim"), py::arg("num_neighbors"),
-             py::arg("estimator"), py::arg("boundary"),
-             py::arg("boundary_samples").noconvert(), py::arg("hole_radius"),
-             py::arg("outlier_distance"), py::arg("smoothing"), py::arg("only_noise"),
-             py::arg("search"), py::arg("checks"), py::arg("solve"),
-             py::arg("num_threads"), py::arg("progress"));
+  using py::arg;
+  const ReconstructOptions defaults;
+  py::class_<ReconstructOptions>(module, "Options")
+      .def(py::init(&make_options), py::kw_only(), arg("dim"),
+           arg("num_neighbors") = defaults.num_neighbors, arg("estimator") = py::none(),
+           arg("edges") = name_of(kEdgeRules, defaults.edges),
+           arg("boundary") = name_of(kBoundaryRules, defaults.manifold.boundary),
+           arg("boundary_samples") = py::none(),
+           arg("hole_radius") = defaults.manifold.hole_radius,
+           arg("outlier_distance") = py::none(), arg("smooth") = defaults.smooth,
+           arg("smoothing_neighbors") = defaults.smoothing.num_neighbors,
+           arg("only_noise") = defaults.smoothing.only_noise,
+           arg("search") = name_of(kSearches, defaults.search.method),
+           arg("checks") = defaults.search.checks);
+  module.def("clean", &clean_samples, arg("samples"), arg("options"), py::kw_only(),
+             arg("num_threads"), arg("progress"));
+  module.def("reconstruct", &manifold, arg("samples"), arg("options"), py::kw_only(),
+             arg("solve"), arg("num_threads"), arg("progress"));
+  module.def("reconstruct_paper", &paper, arg("samples"), arg("options"), py::kw_only(),
+             arg("num_threads"), arg("progress"));
 }
 
 }  // namespace remanifold::python

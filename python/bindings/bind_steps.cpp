@@ -10,9 +10,9 @@
 namespace remanifold::python {
 namespace {
 
-py::tuple neighborhoods(const std::string& kind, const InputArray<double>& matrix,
-                        Index num_neighbors, const std::string& search, int checks,
-                        int num_threads, const py::object& progress) {
+py::tuple neighborhoods(const Input& input, Index num_neighbors,
+                        const std::string& search, int checks, int num_threads,
+                        const py::object& progress) {
   struct Result {
     Index count = 0;
     std::vector<Index> indices;
@@ -21,9 +21,8 @@ py::tuple neighborhoods(const std::string& kind, const InputArray<double>& matri
     double recall = 1.0;
   };
   const SearchOptions options = search_options(search, checks);
-  const MatrixView input = view(matrix);
   Result result = run(num_threads, progress, [&](const Execution& execution) {
-    const Samples samples = make_samples(kind, input, execution);
+    const Samples samples = input.samples(execution);
     const NeighborSearch index(samples, options, execution);
     const Neighborhoods found =
         find_neighborhoods(samples, index, num_neighbors, execution);
@@ -42,42 +41,42 @@ py::tuple neighborhoods(const std::string& kind, const InputArray<double>& matri
     }
     out.method = index.method();
     if (out.method == SearchMethod::kApproximate) {
-      out.recall = measure_recall(samples, index, num_neighbors, 200, execution);
+      out.recall =
+          measure_recall(samples, index, num_neighbors, kRecallQueries, execution);
     }
     return out;
   });
-  const py::ssize_t rows = matrix.shape(0);
+  const py::ssize_t rows = input.rows();
   const py::ssize_t columns = result.count;
   return py::make_tuple(to_numpy(std::move(result.indices), {rows, columns}),
                         to_numpy(std::move(result.distances), {rows, columns}),
-                        search_name(result.method), result.recall);
+                        name_of(kSearches, result.method), result.recall);
 }
 
-py::tuple tangent_spaces(const std::string& kind, const InputArray<double>& matrix,
-                         int dim, Index num_neighbors, const std::string& estimator,
-                         const std::string& search, int checks, int num_threads,
-                         const py::object& progress) {
-  const TangentOptions tangent{dim, num_neighbors, estimator_of(estimator)};
+py::tuple tangent_spaces(const Input& input, int dim, Index num_neighbors,
+                         const std::string& estimator, const std::string& search,
+                         int checks, int num_threads, const py::object& progress) {
+  const TangentOptions tangent{dim, num_neighbors,
+                               value_of(kEstimators, estimator, "estimator")};
   const SearchOptions options = search_options(search, checks);
-  const MatrixView input = view(matrix);
   TangentSpaces result = run(num_threads, progress, [&](const Execution& execution) {
-    const Samples samples = make_samples(kind, input, execution);
+    const Samples samples = input.samples(execution);
     const NeighborSearch index(samples, options, execution);
     const Neighborhoods found =
         find_neighborhoods(samples, index, num_neighbors, execution);
     TangentSpaces out =
         to_input(samples, compute_tangent_spaces(samples, found, tangent, execution));
     if (!out.neighbors.empty()) {
-      out.bases =
-          tangent_bases(input, dim, out.coefficients.data(), out.neighbors.data(),
-                        out.num_coefficients, samples.scale(), execution);
+      out.bases = tangent_bases(input.view(), dim, out.coefficients.data(),
+                                out.neighbors.data(), out.num_coefficients,
+                                samples.scale(), execution);
     }
     return out;
   });
-  const py::ssize_t rows = matrix.shape(0);
+  const py::ssize_t rows = input.rows();
   py::object bases = py::none();
-  if (kind == "points") {
-    bases = to_numpy(std::move(result.bases), {rows, dim, matrix.shape(1)});
+  if (input.points()) {
+    bases = to_numpy(std::move(result.bases), {rows, dim, input.columns()});
   }
   return py::make_tuple(bases, to_numpy(std::move(result.simplices), {rows, dim + 1}),
                         to_bool_array(std::move(result.boundary)));
@@ -151,7 +150,7 @@ py::tuple local_regions(const InputArray<double>& points,
 py::array cliques(const InputArray<Offset>& offsets, const InputArray<Index>& indices,
                   int dim, const std::string& edges, int num_threads,
                   const py::object& progress) {
-  const EdgeRule rule = edge_rule(edges);
+  const EdgeRule rule = value_of(kEdgeRules, edges, "edges");
   const Csr edge_sets{to_vector(offsets), to_vector(indices)};
   return to_numpy(run(num_threads, progress, [&](const Execution& execution) {
     return clique_complex(edge_graph(edge_sets, rule, execution), dim, execution);
@@ -161,23 +160,22 @@ py::array cliques(const InputArray<Offset>& offsets, const InputArray<Index>& in
 }  // namespace
 
 void bind_steps(py::module_& module) {
-  module.def("neighborhoods", &neighborhoods, py::arg("kind"),
-             py::arg("matrix").noconvert(), py::arg("num_neighbors"), py::arg("search"),
-             py::arg("checks"), py::arg("num_threads"), py::arg("progress"));
-  module.def("tangent_spaces", &tangent_spaces, py::arg("kind"),
-             py::arg("matrix").noconvert(), py::arg("dim"), py::arg("num_neighbors"),
-             py::arg("estimator"), py::arg("search"), py::arg("checks"),
-             py::arg("num_threads"), py::arg("progress"));
-  module.def("tangent_bases", &bases_of, py::arg("points").noconvert(),
-             py::arg("coefficients").noconvert(), py::arg("neighbors").noconvert(),
-             py::arg("scale"), py::arg("num_threads"), py::arg("progress"));
-  module.def("local_regions", &local_regions, py::arg("points").noconvert(),
-             py::arg("bases").noconvert(), py::arg("boundary").noconvert(),
-             py::arg("search"), py::arg("checks"), py::arg("num_threads"),
-             py::arg("progress"));
-  module.def("clique_complex", &cliques, py::arg("offsets").noconvert(),
-             py::arg("indices").noconvert(), py::arg("dim"), py::arg("edges"),
-             py::arg("num_threads"), py::arg("progress"));
+  using py::arg;
+  module.def("neighborhoods", &neighborhoods, arg("samples"), py::kw_only(),
+             arg("num_neighbors"), arg("search"), arg("checks"), arg("num_threads"),
+             arg("progress"));
+  module.def("tangent_spaces", &tangent_spaces, arg("samples"), py::kw_only(),
+             arg("dim"), arg("num_neighbors"), arg("estimator"), arg("search"),
+             arg("checks"), arg("num_threads"), arg("progress"));
+  module.def("tangent_bases", &bases_of, arg("points").noconvert(),
+             arg("coefficients").noconvert(), arg("neighbors").noconvert(),
+             arg("scale"), py::kw_only(), arg("num_threads"), arg("progress"));
+  module.def("local_regions", &local_regions, arg("points").noconvert(),
+             arg("bases").noconvert(), arg("boundary").noconvert(), py::kw_only(),
+             arg("search"), arg("checks"), arg("num_threads"), arg("progress"));
+  module.def("clique_complex", &cliques, arg("offsets").noconvert(),
+             arg("indices").noconvert(), py::kw_only(), arg("dim"), arg("edges"),
+             arg("num_threads"), arg("progress"));
 }
 
 }  // namespace remanifold::python

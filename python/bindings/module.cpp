@@ -2,6 +2,7 @@
 #include <pybind11/pybind11.h>
 
 namespace remanifold::python {
+void bind_constants(pybind11::module_& module);
 void bind_projection(pybind11::module_& module);
 void bind_quality(pybind11::module_& module);
 void bind_steps(pybind11::module_& module);
@@ -12,6 +13,7 @@ void bind_topology(pybind11::module_& module);
 PYBIND11_MODULE(_core, module) {
   module.doc() = "Compiled core of remanifold; use the package instead.";
   module.attr("__version__") = REMANIFOLD_VERSION;
+  remanifold::python::bind_constants(module);
   remanifold::python::bind_steps(module);
   remanifold::python::bind_reconstruct(module);
   remanifold::python::bind_topology(module);

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 from collections.abc import Callable
-from typing import Any, TypeAlias
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,9 +23,51 @@ _Solver: TypeAlias = Callable[
 
 __version__: str
 
+KINDS: tuple[str, ...]
+SEARCHES: tuple[str, ...]
+ESTIMATORS: tuple[str, ...]
+EDGE_RULES: tuple[str, ...]
+CHECKS: int
+OUTLIER_DISTANCE: float
+RANDOM_HOLE_RADIUS: float
+EVEN_HOLE_RADIUS: float
+JET_NEIGHBORS: str
+PAPER_NEIGHBORS: str
+SCALE_WORDS: str
+
+def jet_neighbors(dim: int) -> int: ...
+def paper_neighbors(dim: int) -> int: ...
+def scale_neighbors(dim: int) -> int: ...
+def hole_radius_share(dim: int) -> float: ...
+
+class _Samples(Protocol):
+    @property
+    def kind(self) -> str: ...
+    @property
+    def matrix(self) -> NDArray[np.float64]: ...
+
+class Options:
+    def __init__(
+        self,
+        *,
+        dim: int,
+        num_neighbors: int = ...,
+        estimator: str | None = ...,
+        edges: str = ...,
+        boundary: str = ...,
+        boundary_samples: NDArray[np.bool_] | None = ...,
+        hole_radius: float = ...,
+        outlier_distance: float | None = ...,
+        smooth: bool = ...,
+        smoothing_neighbors: int = ...,
+        only_noise: bool = ...,
+        search: str = ...,
+        checks: int = ...,
+    ) -> None: ...
+
 def neighborhoods(
-    kind: str,
-    matrix: NDArray[np.float64],
+    samples: _Samples,
+    *,
     num_neighbors: int,
     search: str,
     checks: int,
@@ -33,8 +75,8 @@ def neighborhoods(
     progress: _Progress,
 ) -> tuple[NDArray[np.int32], NDArray[np.float64], str, float]: ...
 def tangent_spaces(
-    kind: str,
-    matrix: NDArray[np.float64],
+    samples: _Samples,
+    *,
     dim: int,
     num_neighbors: int,
     estimator: str,
@@ -48,6 +90,7 @@ def tangent_bases(
     coefficients: NDArray[np.float64],
     neighbors: NDArray[np.int32],
     scale: float,
+    *,
     num_threads: int,
     progress: _Progress,
 ) -> NDArray[np.float64]: ...
@@ -55,6 +98,7 @@ def local_regions(
     points: NDArray[np.float64],
     bases: NDArray[np.float64],
     boundary: NDArray[np.bool_],
+    *,
     search: str,
     checks: int,
     num_threads: int,
@@ -69,55 +113,25 @@ def local_regions(
 def clique_complex(
     offsets: NDArray[np.int64],
     indices: NDArray[np.int32],
+    *,
     dim: int,
     edges: str,
     num_threads: int,
     progress: _Progress,
 ) -> NDArray[np.int32]: ...
-def reconstruct_paper(
-    kind: str,
-    matrix: NDArray[np.float64],
-    dim: int,
-    num_neighbors: int,
-    estimator: str,
-    edges: str,
-    outlier_distance: float,
-    smoothing: int,
-    only_noise: bool,
-    search: str,
-    checks: int,
-    num_threads: int,
-    progress: _Progress,
-) -> dict[str, Any]: ...
-def clean(
-    kind: str,
-    matrix: NDArray[np.float64],
-    dim: int,
-    outlier_distance: float,
-    smoothing: int,
-    only_noise: bool,
-    search: str,
-    checks: int,
-    num_threads: int,
-    progress: _Progress,
-) -> dict[str, Any]: ...
-def reconstruct_manifold(
-    kind: str,
-    matrix: NDArray[np.float64],
-    dim: int,
-    num_neighbors: int,
-    estimator: str,
-    boundary: str,
-    boundary_samples: NDArray[np.bool_],
-    hole_radius: float,
-    outlier_distance: float,
-    smoothing: int,
-    only_noise: bool,
-    search: str,
-    checks: int,
+def reconstruct(
+    samples: _Samples,
+    options: Options,
+    *,
     solve: _Solver | None,
     num_threads: int,
     progress: _Progress,
+) -> dict[str, Any]: ...
+def reconstruct_paper(
+    samples: _Samples, options: Options, *, num_threads: int, progress: _Progress
+) -> dict[str, Any]: ...
+def clean(
+    samples: _Samples, options: Options, *, num_threads: int, progress: _Progress
 ) -> dict[str, Any]: ...
 def topology(
     simplices: NDArray[np.int32],
@@ -126,9 +140,9 @@ def topology(
     progress: _Progress,
 ) -> dict[str, Any]: ...
 def quality(
-    kind: str,
-    matrix: NDArray[np.float64],
+    samples: _Samples,
     simplices: NDArray[np.int32],
+    *,
     num_neighbors: int,
     search: str,
     checks: int,

@@ -19,20 +19,24 @@ except ImportError as error:
     )
     raise ImportError(_HINT) from error
 
-from remanifold._base.validation import check_int
+from remanifold._base.validation import check_int, check_samples
 from remanifold.method.dimension import (
     LOW_CONFIDENCE,
     MIN_SAMPLES,
     estimate_dimension,
     low_confidence,
 )
-from remanifold.results.reconstruct import reconstruct
+from remanifold.method.options import Options
+from remanifold.results.reconstruct import reconstruct_samples
 from remanifold.warnings import DimensionWarning, ManifoldWarning
 
 if TYPE_CHECKING:
+    from typing import Literal
+
     from numpy.typing import ArrayLike, NDArray
 
     from remanifold.complex.projection import Projection
+    from remanifold.method.options import Estimator, Method
     from remanifold.results.reconstruction import Reconstruction
 
 __all__ = ["ManifoldReconstruction"]
@@ -84,13 +88,13 @@ class ManifoldReconstruction(OneToOneFeatureMixin, TransformerMixin, BaseEstimat
         self,
         n_components: int | str = "auto",
         *,
-        method: str = "manifold",
-        boundary: str | bool | ArrayLike = "auto",
+        method: Method = "manifold",
+        boundary: Literal["auto", False] | ArrayLike = "auto",
         hole_radius: float | None = None,
-        outliers: str | bool | float | None = None,
-        smooth: str | bool | int = False,
+        outliers: Literal["auto", False] | float | None = None,
+        smooth: Literal["auto"] | bool | int = False,
         num_neighbors: int | None = None,
-        tangent_estimator: str | None = None,
+        tangent_estimator: Estimator | None = None,
         n_jobs: int | None = None,
     ) -> None:
         self.n_components = n_components
@@ -142,9 +146,7 @@ class ManifoldReconstruction(OneToOneFeatureMixin, TransformerMixin, BaseEstimat
         return self
 
     def _fit(self, samples: NDArray[np.float64], dim: int) -> Reconstruction:
-        return reconstruct(
-            samples,
-            dim,
+        options = Options(
             method=self.method,
             boundary=self.boundary,
             hole_radius=self.hole_radius,
@@ -152,7 +154,10 @@ class ManifoldReconstruction(OneToOneFeatureMixin, TransformerMixin, BaseEstimat
             smooth=self.smooth,
             num_neighbors=self.num_neighbors,
             estimator=self.tangent_estimator,
-            num_threads=effective_n_jobs(self.n_jobs),
+        )
+        threads = effective_n_jobs(self.n_jobs)
+        return reconstruct_samples(
+            check_samples(samples), dim, options, threads, progress=None
         )
 
     def _fit_auto(self, samples: NDArray[np.float64]) -> Reconstruction:

@@ -16,7 +16,7 @@ int main() {
   }
 
   remanifold::ReconstructOptions options;
-  options.tangent.dim = 1;
+  options.dim = 1;
   const auto circle = remanifold::reconstruct(
       remanifold::Samples::from_points({points.data(), num_samples, 2}), options);
 

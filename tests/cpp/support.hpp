@@ -98,13 +98,13 @@ inline std::vector<std::vector<Index>> rows(const SimplexArray& simplices) {
   return result;
 }
 
-inline Reconstruction reconstruct_paper(const Samples& samples, int dim,
-                                        Estimator estimator = Estimator::kEnclosure,
-                                        int num_threads = 1) {
+inline PaperReconstruction paper(const Samples& samples, int dim,
+                                 Estimator estimator = Estimator::kEnclosure,
+                                 int num_threads = 1) {
   ReconstructOptions options;
-  options.tangent.dim = dim;
-  options.tangent.estimator = estimator;
-  return reconstruct(samples, options, {num_threads, nullptr});
+  options.dim = dim;
+  options.estimator = estimator;
+  return reconstruct_paper(samples, options, {num_threads, nullptr});
 }
 
 }  // namespace remanifold::testing

@@ -159,10 +159,10 @@ TEST(Reconstruct, CleansFirst) {
   const Cloud cloud = noisy_sphere(1000, 0.03, 30);
   const Samples samples = Samples::from_points(cloud.view());
   ReconstructOptions options;
-  options.tangent = {2, 0, Estimator::kJet};
+  options.dim = 2;
   options.outlier_distance = 2;
   options.smooth = true;
-  const ManifoldReconstruction result = reconstruct_manifold(samples, options, {}, {});
+  const Reconstruction result = reconstruct(samples, options);
   ASSERT_EQ(result.cleaning.outliers.size(), 30U);
   EXPECT_EQ(result.cleaning.outliers.front(), 1000);
   ASSERT_EQ(result.cleaning.displacements.size(), 3 * 1030U);

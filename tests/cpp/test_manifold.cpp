@@ -510,10 +510,10 @@ TEST(VertexInsertion, NothingToInsert) {
 
 // --- The whole method, without a solver ----------------------------------------
 
-ReconstructOptions jet_options(int dim) {
+ReconstructOptions options_of(int dim) {
   ReconstructOptions options;
-  options.tangent.dim = dim;
-  options.tangent.estimator = Estimator::kJet;
+  options.dim = dim;
+  options.outlier_distance = 0;
   return options;
 }
 
@@ -543,8 +543,8 @@ TEST(BuildManifold, SphereWithoutASolver) {
 TEST(BuildManifold, ClosedSurfacesLookOutwards) {
   for (int dim = 1; dim <= 3; ++dim) {
     const Cloud cloud = testing::sphere(200, dim, 7);
-    const ManifoldReconstruction rec = reconstruct_manifold(
-        Samples::from_points(cloud.view()), jet_options(dim), {}, {});
+    const Reconstruction rec =
+        reconstruct(Samples::from_points(cloud.view()), options_of(dim));
     ASSERT_GT(rec.simplices.size(), 0);
     EXPECT_EQ(rec.report.open_facets.size(), 0);
     if (dim != 2) {
@@ -566,10 +566,8 @@ TEST(BuildManifold, AnythingEndsWithoutASolver) {
   for (int dim = 1; dim <= 2; ++dim) {
     const Cloud cloud = testing::gaussian(150, 4, 3);
     const Samples samples = Samples::from_points(cloud.view());
-    const ManifoldReconstruction one =
-        reconstruct_manifold(samples, jet_options(dim), {}, {}, {1, nullptr});
-    const ManifoldReconstruction two =
-        reconstruct_manifold(samples, jet_options(dim), {}, {}, {3, nullptr});
+    const Reconstruction one = reconstruct(samples, options_of(dim), {}, {1, nullptr});
+    const Reconstruction two = reconstruct(samples, options_of(dim), {}, {3, nullptr});
     EXPECT_EQ(one.simplices.vertices, two.simplices.vertices);
     EXPECT_EQ(one.report.programs + one.report.integer_programs, 0);
   }
@@ -580,8 +578,7 @@ TEST(BuildManifold, StopsWhenCancelled) {
   const Samples samples = Samples::from_points(cloud.view());
   Progress progress;
   progress.cancel = true;
-  EXPECT_THROW(reconstruct_manifold(samples, jet_options(2), {}, {}, {2, &progress}),
-               Cancelled);
+  EXPECT_THROW(reconstruct(samples, options_of(2), {}, {2, &progress}), Cancelled);
 }
 
 TEST(BuildManifold, ErrorsOfTheSolverComeOut) {
@@ -590,8 +587,7 @@ TEST(BuildManifold, ErrorsOfTheSolverComeOut) {
   const ProgramSolver fails = [](const LinearProgram&) -> std::vector<double> {
     throw std::runtime_error("no licence");
   };
-  EXPECT_THROW(reconstruct_manifold(samples, jet_options(2), {}, fails),
-               std::runtime_error);
+  EXPECT_THROW(reconstruct(samples, options_of(2), fails), std::runtime_error);
 }
 
 }  // namespace

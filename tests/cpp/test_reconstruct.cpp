@@ -9,9 +9,9 @@ namespace remanifold {
 namespace {
 
 using testing::Cloud;
-using testing::reconstruct_paper;
+using testing::paper;
 
-void expect_same(const Reconstruction& a, const Reconstruction& b) {
+void expect_same(const PaperReconstruction& a, const PaperReconstruction& b) {
   EXPECT_EQ(a.simplices.vertices, b.simplices.vertices);
   EXPECT_EQ(a.edges.vertices, b.edges.vertices);
   EXPECT_EQ(a.edge_sets.offsets, b.edge_sets.offsets);
@@ -25,7 +25,7 @@ void expect_same(const Reconstruction& a, const Reconstruction& b) {
 
 TEST(Reconstruct, CircleIsOneClosedPolygon) {
   const Cloud cloud = testing::sphere(300, 1, 1);
-  const Reconstruction rec = reconstruct_paper(Samples::from_points(cloud.view()), 1);
+  const PaperReconstruction rec = paper(Samples::from_points(cloud.view()), 1);
   const Topology t = compute_topology(rec.simplices, 300);
   EXPECT_EQ(t.face_counts, (std::vector<Offset>{300, 300}));
   EXPECT_TRUE(t.closed);
@@ -34,7 +34,7 @@ TEST(Reconstruct, CircleIsOneClosedPolygon) {
 
 TEST(Reconstruct, SphereHasSpuriousTrianglesAtVerticesOfDegreeThree) {
   const Cloud cloud = testing::sphere(800, 2, 1);
-  const Reconstruction rec = reconstruct_paper(Samples::from_points(cloud.view()), 2);
+  const PaperReconstruction rec = paper(Samples::from_points(cloud.view()), 2);
   const PaperReport report =
       paper_report(rec.simplices, rec.edge_sets, rec.stars, rec.boundary);
   ASSERT_GT(report.unstarred_simplices.size(), 0);
@@ -54,9 +54,9 @@ TEST(Reconstruct, SameBytesForAnyNumberOfThreads) {
   for (int dim = 1; dim <= 3; ++dim) {
     const Cloud cloud = testing::sphere(1500, dim, dim);
     const Samples samples = Samples::from_points(cloud.view());
-    const Reconstruction one = reconstruct_paper(samples, dim);
+    const PaperReconstruction one = paper(samples, dim);
     for (const int threads : {2, 5}) {
-      expect_same(one, reconstruct_paper(samples, dim, Estimator::kEnclosure, threads));
+      expect_same(one, paper(samples, dim, Estimator::kEnclosure, threads));
     }
   }
 }
@@ -68,12 +68,12 @@ TEST(Reconstruct, PointsProductsAndDistancesGiveTheSame) {
     const std::vector<double> distances = testing::distances_of(cloud);
     for (const Estimator estimator :
          {Estimator::kEnclosure, Estimator::kPca, Estimator::kJet}) {
-      const Reconstruction a =
-          reconstruct_paper(Samples::from_points(cloud.view()), dim, estimator);
-      const Reconstruction b = reconstruct_paper(
-          Samples::from_gram({gram.data(), 200, 200}), dim, estimator);
-      const Reconstruction c = reconstruct_paper(
-          Samples::from_distances({distances.data(), 200, 200}), dim, estimator);
+      const PaperReconstruction a =
+          paper(Samples::from_points(cloud.view()), dim, estimator);
+      const PaperReconstruction b =
+          paper(Samples::from_gram({gram.data(), 200, 200}), dim, estimator);
+      const PaperReconstruction c =
+          paper(Samples::from_distances({distances.data(), 200, 200}), dim, estimator);
       expect_same(a, b);
       expect_same(a, c);
     }
@@ -82,10 +82,10 @@ TEST(Reconstruct, PointsProductsAndDistancesGiveTheSame) {
 
 TEST(Reconstruct, CopiesChangeNothingButTheNumbers) {
   Cloud cloud = testing::sphere(200, 2, 5);
-  const Reconstruction once = reconstruct_paper(Samples::from_points(cloud.view()), 2);
+  const PaperReconstruction once = paper(Samples::from_points(cloud.view()), 2);
   const std::vector<double> points = cloud.points;
   cloud.points.insert(cloud.points.end(), points.begin(), points.end());
-  const Reconstruction twice = reconstruct_paper(Samples::from_points(cloud.view()), 2);
+  const PaperReconstruction twice = paper(Samples::from_points(cloud.view()), 2);
   EXPECT_EQ(once.simplices.vertices, twice.simplices.vertices);
   EXPECT_EQ(twice.representatives[250], 50);
   EXPECT_EQ(twice.edge_sets.size(250), 0);
@@ -95,8 +95,8 @@ TEST(Reconstruct, CopiesChangeNothingButTheNumbers) {
 TEST(Reconstruct, GridIsTriangulated) {
   // K = D: all stars agree, so that the cliques are a triangulation of the square.
   const Cloud cloud = testing::grid(10, 2);
-  const Reconstruction rec =
-      reconstruct_paper(Samples::from_points(cloud.view()), 2, Estimator::kPca);
+  const PaperReconstruction rec =
+      paper(Samples::from_points(cloud.view()), 2, Estimator::kPca);
   const Topology t = compute_topology(rec.simplices, 100);
   EXPECT_EQ(rec.simplices.size(), 2 * 81);
   EXPECT_EQ(t.euler_characteristic, 1);
@@ -105,7 +105,7 @@ TEST(Reconstruct, GridIsTriangulated) {
 
 TEST(Reconstruct, DegenerateInputIsSound) {
   const Cloud same{std::vector<double>(30, 1.5), 3};
-  const Reconstruction none = reconstruct_paper(Samples::from_points(same.view()), 2);
+  const PaperReconstruction none = paper(Samples::from_points(same.view()), 2);
   EXPECT_EQ(none.simplices.size(), 0);
   EXPECT_EQ(none.boundary, std::vector<std::uint8_t>(10, 1));
 
@@ -113,19 +113,18 @@ TEST(Reconstruct, DegenerateInputIsSound) {
   for (int i = 0; i < 40; ++i) {
     line.points.insert(line.points.end(), {1.0 * i, 2.0 * i, -1.0 * i});
   }
-  EXPECT_EQ(reconstruct_paper(Samples::from_points(line.view()), 2).simplices.size(),
-            0);
+  EXPECT_EQ(paper(Samples::from_points(line.view()), 2).simplices.size(), 0);
   // As a curve it is a path, short of its two ends, which have no tangent basis.
-  const Reconstruction path = reconstruct_paper(Samples::from_points(line.view()), 1);
+  const PaperReconstruction path = paper(Samples::from_points(line.view()), 1);
   EXPECT_EQ(path.simplices.size(), 37);
 
   const Cloud few = testing::gaussian(3, 3, 1);
-  EXPECT_EQ(reconstruct_paper(Samples::from_points(few.view()), 2).simplices.size(), 0);
+  EXPECT_EQ(paper(Samples::from_points(few.view()), 2).simplices.size(), 0);
 }
 
 TEST(PaperReport, RimsAreNoHoles) {
   const Cloud cloud = testing::grid(12, 2);
-  const Reconstruction rec = reconstruct_paper(Samples::from_points(cloud.view()), 2);
+  const PaperReconstruction rec = paper(Samples::from_points(cloud.view()), 2);
   ASSERT_GT(std::count(rec.boundary.begin(), rec.boundary.end(), 1), 0);
   const PaperReport report =
       paper_report(rec.simplices, rec.edge_sets, rec.stars, rec.boundary);
@@ -165,10 +164,10 @@ TEST(Reconstruct, StopsWhenCancelled) {
   const Cloud cloud = testing::sphere(2000, 2, 3);
   const Samples samples = Samples::from_points(cloud.view());
   ReconstructOptions options;
-  options.tangent.dim = 2;
+  options.dim = 2;
   Progress progress;
   progress.cancel = true;
-  EXPECT_THROW(reconstruct(samples, options, {2, &progress}), Cancelled);
+  EXPECT_THROW(reconstruct_paper(samples, options, {2, &progress}), Cancelled);
 }
 
 }  // namespace

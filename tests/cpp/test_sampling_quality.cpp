@@ -13,8 +13,9 @@ using testing::Cloud;
 
 SimplexArray result_of(const Samples& samples, int dim) {
   ReconstructOptions options;
-  options.tangent = {dim, jet_neighbors(dim), Estimator::kJet};
-  return reconstruct_manifold(samples, options, {}, {}).simplices;
+  options.dim = dim;
+  options.outlier_distance = 0;
+  return reconstruct(samples, options).simplices;
 }
 
 SamplingQuality quality_of(const Cloud& cloud, int dim, int num_threads = 1) {

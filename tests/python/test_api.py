@@ -18,7 +18,7 @@ import pytest
 from scipy.spatial.distance import cdist
 
 import remanifold as rm
-from remanifold.results.reconstruct import METHODS
+from remanifold.method.options import METHODS
 from remanifold.sklearn import ManifoldReconstruction
 
 SEARCHES = ("auto", "kdtree", "brute_force")

@@ -19,7 +19,7 @@ from typer.testing import CliRunner
 import remanifold as rm
 from remanifold import cli
 from remanifold.io import read_points, write_mesh
-from remanifold.results.reconstruct import METHODS
+from remanifold.method.options import METHODS
 
 KEYS = {
     *("input", "output", "method", "estimator", "edges", "search", "num_neighbors"),

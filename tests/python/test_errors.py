@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial.distance import cdist
 
 import remanifold as rm
-from remanifold.results.reconstruct import METHODS
+from remanifold.method.options import METHODS
 
 # Samples of nothing in particular, where the result must lack something.
 pytestmark = pytest.mark.filterwarnings("ignore::remanifold.ManifoldWarning")

@@ -16,7 +16,7 @@ import pytest
 from scipy.spatial.distance import cdist
 
 import remanifold as rm
-from remanifold.results.reconstruct import METHODS
+from remanifold.method.options import METHODS
 
 STEPS = [
     *("prepare", "neighborhoods", "outliers", "tangent_spaces", "local_regions"),

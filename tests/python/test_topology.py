@@ -11,7 +11,7 @@ import pytest
 from scipy.sparse.csgraph import connected_components
 
 import remanifold as rm
-from remanifold.results.reconstruct import METHODS
+from remanifold.method.options import METHODS
 
 # --- Complexes: sets of simplices, which are sets of vertices of any kind ---------
 

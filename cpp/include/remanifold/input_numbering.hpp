@@ -28,6 +28,13 @@ Csr edge_sets_to_input(const Samples& samples, const LocalRegions& regions,
 Csr stars_to_input(const Samples& samples, const LocalRegions& regions,
                    const Execution& execution = {});
 
+/// Samples by canonical numbers to input numbers, ascending.
+std::vector<Index> to_input(const Samples& samples, std::vector<Index> vertices);
+
+/// Flags of input samples to canonical ones: set where one of the merged samples has it.
+std::vector<std::uint8_t> flags_to_canonical(const Samples& samples,
+                                             const std::vector<std::uint8_t>& flags);
+
 /// Simplices of canonical numbers, columns ascending, to input numbers: columns ascending
 /// but for the last two, which change places where that gives the simplex its sign.
 /// Without signs all columns ascend. Rows in lexicographic order of ascending columns.

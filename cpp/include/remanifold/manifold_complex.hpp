@@ -5,6 +5,7 @@
 // out are put back; links are checked.
 #pragma once
 
+#include "remanifold/constants.hpp"
 #include "remanifold/execution.hpp"
 #include "remanifold/facets.hpp"
 #include "remanifold/local_region.hpp"
@@ -29,7 +30,8 @@ struct ManifoldOptions {
   BoundaryRule boundary = BoundaryRule::kAuto;
   std::vector<std::uint8_t> boundary_samples;  ///< size() flags for kGiven
   /// Radius of the smallest round hole that is left open, in units of the local scale h;
-  /// 0: by how evenly the samples lie, from 3 (at random) to 1.4 (even).
+  /// 0: by how evenly the samples lie, from kRandomHoleRadius to kEvenHoleRadius times
+  /// hole_radius_share(K).
   double hole_radius = 0;
   /// Agreed simplices with a circumradius up to this times h are fixed, and with a boundary
   /// up to hole_share times hole_radius: long holes have a smaller circumradius than round
@@ -43,7 +45,7 @@ struct ManifoldOptions {
   /// K = 1: loops of fewer samples are merged with what is next to them.
   Index smallest_loop = 10;
   /// Samples farther than this times h from the simplices around them are outliers.
-  double outlier_distance = 2;
+  double outlier_distance = kOutlierDistance;
   ChainOptions chain;
 };
 

@@ -5,6 +5,7 @@
 // Gram and distance matrices. Cost O(N log N) or O(N^2 D).
 #pragma once
 
+#include "remanifold/constants.hpp"
 #include "remanifold/execution.hpp"
 #include "remanifold/samples.hpp"
 #include "remanifold/types.hpp"
@@ -30,7 +31,7 @@ enum class SearchMethod {
 
 struct SearchOptions {
   SearchMethod method = SearchMethod::kAuto;
-  int checks = 256;  ///< leaves visited by the approximate search
+  int checks = kChecks;  ///< leaves visited by the approximate search
 };
 
 /// Growing nearest-neighbor queries. One Query per thread; queries of one search are

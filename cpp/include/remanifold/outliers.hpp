@@ -6,6 +6,7 @@
 // among the rest until none is found.
 #pragma once
 
+#include "remanifold/constants.hpp"
 #include "remanifold/execution.hpp"
 #include "remanifold/neighborhoods.hpp"
 #include "remanifold/samples.hpp"
@@ -21,7 +22,7 @@ struct OutlierOptions {
   /// distance to the (2K+2)-th neighbor around it, and no more than twice the median of
   /// these). Noisy samples lie apart anyway: no less than eight times the distance that one
   /// in four exceeds.
-  double distance = 2;
+  double distance = kOutlierDistance;
 };
 
 /// The outliers, ascending. Costs next to nothing where no sample lies apart from others.

@@ -2,30 +2,17 @@
 // The whole pipeline in one call, in the caller's numbering of the samples.
 #pragma once
 
-#include "remanifold/clique_complex.hpp"
 #include "remanifold/execution.hpp"
 #include "remanifold/manifold_complex.hpp"
 #include "remanifold/neighborhoods.hpp"
-#include "remanifold/outliers.hpp"
+#include "remanifold/options.hpp"
 #include "remanifold/samples.hpp"
-#include "remanifold/smoothing.hpp"
-#include "remanifold/tangent_space.hpp"
 #include "remanifold/types.hpp"
 
 #include <cstdint>
 #include <vector>
 
 namespace remanifold {
-
-struct ReconstructOptions {
-  TangentOptions tangent;
-  SearchOptions search;
-  EdgeRule edges = EdgeRule::kMutual;
-  /// OutlierOptions::distance; 0 keeps all samples.
-  double outlier_distance = 0;
-  bool smooth = false;
-  SmoothingOptions smoothing;  ///< its dim and search are those above
-};
 
 /// What was done to the samples before, in the caller's numbering and units.
 struct Cleaning {
@@ -61,6 +48,32 @@ struct TangentFrames {
 
 struct Reconstruction {
   int dim = 0;
+  /// K-simplices: each simplex once, rows in the order of their sorted vertices. Columns
+  /// ascend, but the last two may have changed places: where a patch of simplices has an
+  /// orientation, the order of the columns is alike across facets; with K = D, and with
+  /// K = D - 1 where the patch is closed, it gives a positive volume.
+  SimplexArray simplices;
+  ManifoldReport report;
+  std::vector<double> tangents;  ///< N x K x D, NaN where there is none; or frames
+  TangentFrames frames;
+  std::vector<std::uint8_t> boundary;  ///< N: the sample lies on an open facet
+  std::vector<Index> representatives;  ///< N
+  SearchMethod search = SearchMethod::kAuto;
+  double recall = 1.0;
+  Cleaning cleaning;
+  StepSeconds seconds;
+};
+
+/// The chain of least energy through what the stars agree on.
+/// \param solver  of its linear programs; without one, large cavities get the best filling
+///                that a search finds in limited steps
+/// \throws std::invalid_argument, Cancelled, and whatever the solver throws
+Reconstruction reconstruct(const Samples& samples, const ReconstructOptions& options,
+                           const ProgramSolver& solver = {},
+                           const Execution& execution = {});
+
+struct PaperReconstruction {
+  int dim = 0;
   SimplexArray simplices;  ///< K-simplices, columns ascending, rows sorted
   SimplexArray edges;
   Csr edge_sets;
@@ -82,40 +95,14 @@ struct Reconstruction {
 
 /// The paper's SC(X).
 /// \throws std::invalid_argument, Cancelled
-Reconstruction reconstruct(const Samples& samples, const ReconstructOptions& options,
-                           const Execution& execution = {});
+PaperReconstruction reconstruct_paper(const Samples& samples,
+                                      const ReconstructOptions& options,
+                                      const Execution& execution = {});
 
-struct ManifoldReconstruction {
-  int dim = 0;
-  /// K-simplices: each simplex once, rows in the order of their sorted vertices. Columns
-  /// ascend, but the last two may have changed places: where a patch of simplices has an
-  /// orientation, the order of the columns is alike across facets; with K = D, and with
-  /// K = D - 1 where the patch is closed, it gives a positive volume.
-  SimplexArray simplices;
-  ManifoldReport report;
-  std::vector<double> tangents;  ///< N x K x D, NaN where there is none; or frames
-  TangentFrames frames;
-  std::vector<std::uint8_t> boundary;  ///< N: the sample lies on an open facet
-  std::vector<Index> representatives;  ///< N
-  SearchMethod search = SearchMethod::kAuto;
-  double recall = 1.0;
-  Cleaning cleaning;
-  StepSeconds seconds;
-};
-
-/// Outliers and smoothed positions alone.
+/// Outliers and smoothed positions alone, as far as the options ask for them.
 /// \throws std::invalid_argument, Cancelled
 Cleaning clean(const Samples& samples, const ReconstructOptions& options,
                const Execution& execution = {});
-
-/// The minimum-energy chain through what the stars agree on. Best with Estimator::kJet.
-/// \param manifold  boundary samples in the caller's numbering
-/// \throws std::invalid_argument, Cancelled, and whatever the solver throws
-ManifoldReconstruction reconstruct_manifold(const Samples& samples,
-                                            const ReconstructOptions& options,
-                                            ManifoldOptions manifold,
-                                            const ProgramSolver& solver,
-                                            const Execution& execution = {});
 
 /// How the graph's cliques differ from the stars, and what is open.
 struct PaperReport {

@@ -4,6 +4,7 @@
 
 #include "remanifold/cavities.hpp"
 #include "remanifold/clique_complex.hpp"
+#include "remanifold/constants.hpp"
 #include "remanifold/curve_repair.hpp"
 #include "remanifold/execution.hpp"
 #include "remanifold/facets.hpp"
@@ -13,6 +14,7 @@
 #include "remanifold/manifold_complex.hpp"
 #include "remanifold/minimum_chain.hpp"
 #include "remanifold/neighborhoods.hpp"
+#include "remanifold/options.hpp"
 #include "remanifold/outliers.hpp"
 #include "remanifold/projection.hpp"
 #include "remanifold/reconstruct.hpp"

@@ -2,6 +2,7 @@
 // The local scale of the samples, and sizes of simplices from squared distances alone.
 #pragma once
 
+#include "remanifold/constants.hpp"
 #include "remanifold/execution.hpp"
 #include "remanifold/neighborhoods.hpp"
 #include "remanifold/samples.hpp"
@@ -11,10 +12,7 @@
 
 namespace remanifold {
 
-/// Neighbors that h spans. On curves more: a few say little about the density there.
-constexpr Index scale_neighbors(int dim) { return dim == 1 ? 10 : 2 * dim + 2; }
-
-/// h(x): the distance to the neighbor of this rank, smoothed by the median over x and these
+/// h(x): the distance to the neighbor of rank scale_neighbors(K), smoothed by the median over x and these
 /// neighbors. Canonical lengths.
 std::vector<double> local_scales(const Samples& samples,
                                  const Neighborhoods& neighborhoods, int dim,

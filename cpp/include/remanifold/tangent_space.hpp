@@ -9,6 +9,7 @@
 // Work per sample is in the m x m Gram matrix of the neighborhood: free of D.
 #pragma once
 
+#include "remanifold/constants.hpp"
 #include "remanifold/execution.hpp"
 #include "remanifold/neighborhoods.hpp"
 #include "remanifold/samples.hpp"
@@ -22,12 +23,9 @@ enum class Estimator { kEnclosure, kPca, kJet };
 
 struct TangentOptions {
   int dim = 0;              ///< K
-  Index num_neighbors = 0;  ///< m = rK; 0: 10 K
+  Index num_neighbors = 0;  ///< m = rK; 0: paper_neighbors(K)
   Estimator estimator = Estimator::kEnclosure;
 };
-
-/// Neighbors for a jet: three times the unknowns of the quadratic fit.
-constexpr Index jet_neighbors(int dim) { return 3 * (dim + dim * (dim + 1) / 2); }
 
 struct TangentSpaces {
   int dim = 0;

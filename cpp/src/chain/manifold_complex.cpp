@@ -27,12 +27,6 @@ constexpr Offset kBlock = 1024;
 constexpr double kForbidden = 1e5;
 /// Price of an open facet at samples that are known to lie on the boundary.
 constexpr double kAllowed = 1;
-/// Radius of the smallest round hole, in units of h, among samples that lie at random (of
-/// which gaps reach 2 h) and among even ones.
-constexpr double kHoleAtRandom = 3.0;
-constexpr double kHoleEven = 1.4;
-/// On curves h spans more neighbors.
-constexpr double kHoleOfCurve = 0.6;
 /// Cosine of the angle at a facet above which a fold is sharp: less than 120 degrees.
 constexpr double kSharpFold = -0.5;
 /// Neighbors joined by edges for the widest choice of candidates where there is no
@@ -66,8 +60,9 @@ class ManifoldBuilder {
     }
     if (options_.hole_radius == 0) {
       const double even = evenness(samples, neighborhoods, scales_, dim_, execution);
-      options_.hole_radius = (kHoleAtRandom + even * (kHoleEven - kHoleAtRandom)) *
-                             (dim_ == 1 ? kHoleOfCurve : 1.0);
+      options_.hole_radius =
+          (kRandomHoleRadius + even * (kEvenHoleRadius - kRandomHoleRadius)) *
+          hole_radius_share(dim_);
     }
     if (options_.boundary != BoundaryRule::kNone) {
       options_.fixed_radius =

@@ -58,7 +58,7 @@ class OutlierFinder {
         neighborhoods_(neighborhoods),
         options_(options),
         execution_(execution),
-        near_count_(2 * options.dim + 2),
+        near_count_(outlier_scale_neighbors(options.dim)),
         vote_count_(
             std::min(samples.size() / 2,
                      std::max<Index>(3 * detail::QuadraticFit::unknowns(options.dim),

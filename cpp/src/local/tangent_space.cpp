@@ -237,7 +237,7 @@ TangentSpaces compute_tangent_spaces(const Samples& samples,
                                      TangentOptions options,
                                      const Execution& execution) {
   if (options.num_neighbors == 0) {
-    options.num_neighbors = 10 * options.dim;
+    options.num_neighbors = paper_neighbors(options.dim);
   }
   validate(samples, options);
   const Index count = std::min(options.num_neighbors, neighborhoods.count);

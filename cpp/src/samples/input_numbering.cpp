@@ -136,6 +136,26 @@ Csr stars_to_input(const Samples& samples, const LocalRegions& regions,
   return result;
 }
 
+std::vector<Index> to_input(const Samples& samples, std::vector<Index> vertices) {
+  for (Index& v : vertices) {
+    v = samples.input_index(v);
+  }
+  std::sort(vertices.begin(), vertices.end());
+  return vertices;
+}
+
+std::vector<std::uint8_t> flags_to_canonical(const Samples& samples,
+                                             const std::vector<std::uint8_t>& flags) {
+  std::vector<std::uint8_t> result(samples.size(), 0);
+  const std::vector<Index> canonical = samples.canonical_indices();
+  for (std::size_t i = 0; i < canonical.size(); ++i) {
+    if (canonical[i] >= 0) {
+      result[canonical[i]] |= flags[i];
+    }
+  }
+  return result;
+}
+
 SimplexArray to_input(const Samples& samples, const SimplexArray& simplices,
                       const std::vector<std::int8_t>& signs,
                       const Execution& execution) {

@@ -12,6 +12,8 @@ from remanifold._base.validation import check_matrix, check_values
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
+    from remanifold._base.samples import Input
+
 
 class ClassicalScaling(NamedTuple):
     """An isometric embedding about the centroid of the samples (classical scaling)."""
@@ -23,9 +25,9 @@ class ClassicalScaling(NamedTuple):
     mean: float
 
 
-def classical_scaling(kind: str, matrix: NDArray[np.float64]) -> ClassicalScaling:
+def classical_scaling(samples: Input) -> ClassicalScaling:
     """Isometric coordinates, those of eigenvalues above rounding; O(N^3)."""
-    gram = np.square(matrix) / -2 if kind == "distances" else matrix
+    gram = samples.products()
     gram = (gram + gram.T) / 2
     row_means = gram.mean(axis=0)
     mean = float(row_means.mean())

@@ -5,23 +5,17 @@ from __future__ import annotations
 
 import operator
 from numbers import Real
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+from remanifold import _core
+from remanifold._base.samples import Distances, Gram, Input, Points
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-Kind = Literal["points", "gram", "distances"]
-OUTLIER_DISTANCE = 2.0  # local scales
 _LARGEST_INDEX = np.iinfo(np.int32).max
-
-
-class Input(NamedTuple):
-    """Samples in the layout of the core."""
-
-    kind: Kind
-    matrix: NDArray[np.float64]
 
 
 def check_samples(
@@ -44,10 +38,10 @@ def check_samples(
         msg = f"give exactly one of points, gram and distances, got {got}"
         raise TypeError(msg)
     if points is not None:
-        return Input("points", check_points(points))
+        return Points(check_points(points))
     if gram is not None:
-        return Input("gram", check_gram(gram))
-    return Input("distances", _real_matrix(distances, "distances", square=True))
+        return Gram(check_gram(gram))
+    return Distances(_real_matrix(distances, "distances", square=True))
 
 
 def check_points(points: ArrayLike, name: str = "points") -> NDArray[np.float64]:
@@ -87,7 +81,7 @@ def check_dim(dim: Any, samples: Input) -> int:
     """1 <= K <= D, and enough samples for one simplex."""
     value = check_int(dim, "dim", minimum=1)
     num_samples, num_columns = samples.matrix.shape
-    if samples.kind == "points" and value > num_columns:
+    if isinstance(samples, Points) and value > num_columns:
         msg = (
             f"dim is {value}, more than the {num_columns} coordinates of the points: "
             "a manifold has at most the dimension of the space it lies in"
@@ -104,9 +98,9 @@ def check_dim(dim: Any, samples: Input) -> int:
 
 
 def check_num_neighbors(num_neighbors: Any, dim: int) -> int:
-    """At least K + 1; 10 K by default."""
+    """At least K + 1; by default as for the paper's method."""
     if num_neighbors is None:
-        return 10 * dim
+        return _core.paper_neighbors(dim)
     return check_int(
         num_neighbors, "num_neighbors", minimum=dim + 1, hint=f" (dim + 1 = {dim + 1})"
     )
@@ -158,23 +152,19 @@ def check_positive(value: Any, name: str) -> float:
     return number
 
 
-def check_smooth(smooth: Any, dim: int) -> tuple[int, bool]:
-    """Neighbors of a fit, -1 for none and 0 for a choice, and whether noise is needed."""
-    if (
-        smooth is None
-        or smooth is False
-        or (isinstance(smooth, np.bool_) and not smooth)
-    ):
-        return -1, False
+def check_smooth(smooth: Any, dim: int) -> tuple[bool, int, bool]:
+    """Whether to move samples, neighbors of a fit (0 for a choice), whether only noise."""
+    if smooth is None or (isinstance(smooth, (bool, np.bool_)) and not smooth):
+        return False, 0, False
     if isinstance(smooth, str) and smooth == "auto":
-        return 0, True
-    if smooth is True or isinstance(smooth, np.bool_):
-        return 0, False
+        return True, 0, True
+    if isinstance(smooth, (bool, np.bool_)):
+        return True, 0, False
     if isinstance(smooth, str):
         msg = f'smooth is {smooth!r}, expected "auto", True, False or a number'
         raise ValueError(msg)  # noqa: TRY004
     neighbors = check_int(smooth, "smooth", minimum=dim + 1, hint=" neighbors")
-    return neighbors, False
+    return True, neighbors, False
 
 
 def check_outliers(outliers: Any) -> float:
@@ -182,7 +172,7 @@ def check_outliers(outliers: Any) -> float:
     if outliers is False or (isinstance(outliers, np.bool_) and not outliers):
         return 0.0
     if isinstance(outliers, str) and outliers == "auto":
-        return OUTLIER_DISTANCE
+        return _core.OUTLIER_DISTANCE
     if isinstance(outliers, (str, bool, np.bool_)):
         msg = f'outliers is {outliers!r}, expected "auto", False or a distance'
         raise ValueError(msg)  # noqa: TRY004

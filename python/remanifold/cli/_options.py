@@ -3,17 +3,25 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import re
+from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any, TypeAlias
+from typing import Annotated, Any, TypeAlias, TypeVar
 
 import typer
 
+from remanifold import _core
 from remanifold._base.validation import check_int, check_positive
 from remanifold.cli._common import choice
-from remanifold.method.steps import EDGE_RULES, ESTIMATORS, SEARCHES
-from remanifold.results.reconstruct import METHODS
+from remanifold.method.options import (
+    EDGE_RULES,
+    ESTIMATORS,
+    METHODS,
+    SEARCHES,
+    Options,
+)
 
+T = TypeVar("T")
 BOUNDARIES: dict[str, str | bool] = {"auto": "auto", "closed": False}
 
 
@@ -80,7 +88,7 @@ HoleRadius: TypeAlias = Annotated[
     typer.Option(
         show_default="by how evenly the samples lie",
         help="Manifold method: radius of the smallest hole left open, in units of "
-        "the distance to the (2K+2)-th neighbor.",
+        f"{_core.SCALE_WORDS}.",
     ),
 ]
 Outliers: TypeAlias = Annotated[
@@ -90,7 +98,7 @@ Outliers: TypeAlias = Annotated[
         metavar="[auto|keep|DISTANCE]",
         show_default="auto, or keep for paper",
         help="Leave out samples at least so many local scales away from what the "
-        "others show (auto: 2), or keep all.",
+        f"others show (auto: {_core.OUTLIER_DISTANCE:g}), or keep all.",
     ),
 ]
 Smooth: TypeAlias = Annotated[
@@ -105,7 +113,7 @@ Smooth: TypeAlias = Annotated[
 NumNeighbors: TypeAlias = Annotated[
     int | None,
     typer.Option(
-        show_default="3 K (K + 3) / 2, or 10 K for paper",
+        show_default=f"{_core.JET_NEIGHBORS}, or {_core.PAPER_NEIGHBORS} for paper",
         help="Neighbors per sample for the tangent spaces.",
     ),
 ]
@@ -133,32 +141,26 @@ Quiet: TypeAlias = Annotated[
 ]
 
 
-@dataclass(frozen=True)
-class Options:
-    """How to reconstruct, as given on the command line."""
+def options_of(*, boundary: str, outliers: Any, smooth: Any, **others: Any) -> Options:
+    """What was given on the command line, as the library takes it."""
+    return complaining(
+        lambda: Options(
+            boundary=BOUNDARIES[boundary],
+            outliers=outliers,
+            smooth={"no": False, "yes": True}.get(smooth, smooth),
+            **others,
+        )
+    )
 
-    method: str
-    boundary: str
-    hole_radius: float | None
-    outliers: Any
-    smooth: Any
-    num_neighbors: int | None
-    estimator: str | None
-    edges: str | None
-    search: str
-    threads: int | None
 
-    def arguments(self) -> dict[str, Any]:
-        """Arguments of `remanifold.reconstruct`."""
-        return {
-            "method": self.method,
-            "boundary": BOUNDARIES[self.boundary],
-            "hole_radius": self.hole_radius,
-            "outliers": self.outliers,
-            "smooth": {"no": False, "yes": True}.get(self.smooth, self.smooth),
-            "num_neighbors": self.num_neighbors,
-            "estimator": self.estimator,
-            "edges": self.edges,
-            "search": self.search,
-            "num_threads": self.threads,
-        }
+def complaining(check: Callable[[], T]) -> T:
+    """Say of a refused parameter which option of the command line it is."""
+    try:
+        return check()
+    except (TypeError, ValueError) as error:
+        name, _, what = str(error).partition(" ")
+        hint = f"'--{name.replace('_', '-')}'"
+        # As one writes it here: --method paper, not method="paper".
+        text = re.sub(r'(\w+)="(\w+)"', r"--\1 \2", what)
+        msg = f"{text}."
+        raise typer.BadParameter(msg, param_hint=hint) from None

@@ -8,19 +8,16 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-import typer
 from rich.console import Console
 
 import remanifold as rm
-from remanifold._base.validation import (
-    check_num_neighbors,
-    check_positive,
-    check_smooth,
-)
+from remanifold._base.validation import check_num_threads, check_samples
 from remanifold.cli._common import say, timed
-from remanifold.cli._options import Options
+from remanifold.cli._options import complaining
 from remanifold.io import read_points
 from remanifold.method.dimension import LOW_CONFIDENCE, low_confidence
+from remanifold.method.options import Options
+from remanifold.results.reconstruct import reconstruct_samples
 
 
 class Done(NamedTuple):
@@ -40,6 +37,7 @@ def reconstruct_file(
     check_target: Callable[[int, int | None], object],
     messages: Console,
     *,
+    threads: int | None,
     quiet: bool,
     format: str | None,
 ) -> Done:
@@ -48,10 +46,9 @@ def reconstruct_file(
     What cannot work is refused before the work; `check_target` says so of the output,
     given the dimension of the simplices and, when known, of the space.
     """
-    _check_method(options)
     # Every mesh format holds triangles.
     assumed = 2 if isinstance(dim, str) else dim
-    _check_num_neighbors(options, assumed)
+    complaining(lambda: options.check_dim(assumed))
     check_target(assumed, None)
     seconds: dict[str, float] = {}
     points, seconds["read"] = timed(lambda: read_points(source, format=format))
@@ -60,54 +57,26 @@ def reconstruct_file(
     if isinstance(dim, str):
         found, seconds["dimension"] = timed(
             lambda: rm.estimate_dimension(
-                points, num_threads=options.threads, progress=show_progress
+                points, num_threads=threads, progress=show_progress
             )
         )
         assert found is not None
         dim = found.dim
         if found.confidence >= LOW_CONFIDENCE and not quiet:
             say(messages, found.verdict, "none")
-    _check_smooth(options, dim)
-    _check_num_neighbors(options, dim)
+    complaining(lambda: options.check_dim(dim))
     check_target(dim, points.shape[1])
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", rm.RemanifoldWarning)
-        rec = rm.reconstruct(points, dim, **options.arguments(), progress=show_progress)
+        rec = reconstruct_samples(
+            check_samples(points),
+            dim,
+            options,
+            check_num_threads(threads),
+            show_progress,
+        )
     complaints = [str(warning.message) for warning in caught]
     if found is not None and found.confidence < LOW_CONFIDENCE:
         complaints.insert(0, low_confidence(found))
     warned = any(issubclass(w.category, rm.ManifoldWarning) for w in caught)
     return Done(rec, found, complaints, warned, seconds)
-
-
-def _check_method(options: Options) -> None:
-    """Refuse what the method does not have."""
-    if options.method == "manifold" and options.edges is not None:
-        msg = "is for --method paper only."
-        raise typer.BadParameter(msg, param_hint="'--edges'")
-    if options.method == "paper" and options.boundary != "auto":
-        msg = "is for --method manifold only."
-        raise typer.BadParameter(msg, param_hint="'--boundary'")
-    if options.method == "paper" and options.hole_radius is not None:
-        msg = "is for --method manifold only."
-        raise typer.BadParameter(msg, param_hint="'--hole-radius'")
-    try:
-        if options.hole_radius is not None:
-            check_positive(options.hole_radius, "hole_radius")
-    except ValueError as error:
-        raise typer.BadParameter(str(error), param_hint="'--hole-radius'") from None
-
-
-def _check_smooth(options: Options, dim: int) -> None:
-    try:
-        if isinstance(options.smooth, int):
-            check_smooth(options.smooth, dim)
-    except ValueError as error:
-        raise typer.BadParameter(str(error), param_hint="'--smooth'") from None
-
-
-def _check_num_neighbors(options: Options, dim: int) -> None:
-    try:
-        check_num_neighbors(options.num_neighbors, dim)
-    except ValueError as error:
-        raise typer.BadParameter(str(error), param_hint="'--num-neighbors'") from None

@@ -35,12 +35,12 @@ from remanifold.cli._options import (
     HoleRadius,
     Method,
     NumNeighbors,
-    Options,
     Outliers,
     Quiet,
     Search,
     Smooth,
     Source,
+    options_of,
 )
 from remanifold.cli._reconstructing import reconstruct_file
 from remanifold.cli.dimension import dim_report
@@ -106,7 +106,7 @@ def reconstruct(
     From samples to a mesh, with a table of what was found.
     """
     messages = messages_console()
-    options = Options(
+    options = options_of(
         method=method,
         boundary=boundary,
         hole_radius=hole_radius,
@@ -116,7 +116,6 @@ def reconstruct(
         estimator=estimator,
         edges=edges,
         search=search,
-        threads=threads,
     )
 
     def check_target(dim: int, ambient_dim: int | None) -> None:
@@ -129,7 +128,14 @@ def reconstruct(
     with failures(messages):
         format, output_format = split_formats(source, output, format, output_format)
         done = reconstruct_file(
-            source, dim, options, check_target, messages, quiet=quiet, format=format
+            source,
+            dim,
+            options,
+            check_target,
+            messages,
+            threads=threads,
+            quiet=quiet,
+            format=format,
         )
         rec = done.rec
         report = _report(rec)

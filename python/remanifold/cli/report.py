@@ -29,12 +29,12 @@ from remanifold.cli._options import (
     HoleRadius,
     Method,
     NumNeighbors,
-    Options,
     Outliers,
     Quiet,
     Search,
     Smooth,
     Source,
+    options_of,
 )
 from remanifold.cli._reconstructing import reconstruct_file
 from remanifold.page.report_page import check_page, write_report
@@ -73,7 +73,7 @@ def report(
     One file of HTML that needs no network, with the complex to turn and all figures.
     """
     messages = messages_console()
-    options = Options(
+    options = options_of(
         method=method,
         boundary=boundary,
         hole_radius=hole_radius,
@@ -83,7 +83,6 @@ def report(
         estimator=estimator,
         edges=edges,
         search=search,
-        threads=threads,
     )
 
     def check_target(*_: int | None) -> None:
@@ -96,7 +95,14 @@ def report(
     with failures(messages):
         load("plotly", "plot")
         done = reconstruct_file(
-            source, dim, options, check_target, messages, quiet=quiet, format=format
+            source,
+            dim,
+            options,
+            check_target,
+            messages,
+            threads=threads,
+            quiet=quiet,
+            format=format,
         )
         command = shlex.join([*_program(), *sys.argv[1:]])
         write_report(done.rec, output, title or source.name, command)

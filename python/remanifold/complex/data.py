@@ -11,6 +11,7 @@ import numpy as np
 
 from remanifold import _core
 from remanifold._base.read_only import ReadOnlyArrays
+from remanifold._base.samples import Points
 from remanifold._base.scaling import ClassicalScaling, classical_scaling
 from remanifold._base.validation import check_int
 from remanifold.complex.topology import Topology, topology_of
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from remanifold._base.progress import Callback
-    from remanifold._base.validation import Kind
+    from remanifold._base.samples import Input
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -31,10 +32,8 @@ class ComplexData(ReadOnlyArrays):
 
     vertices: NDArray[np.float64] | None
     simplices: NDArray[np.int32]
-    # How the samples are known where they have no coordinates: "gram" or "distances".
-    _products: tuple[Kind, NDArray[np.float64]] | None = field(
-        default=None, kw_only=True
-    )
+    # How the samples are known where they have no coordinates.
+    _products: Input | None = field(default=None, kw_only=True)
 
     @property
     def dim(self) -> int:
@@ -52,7 +51,7 @@ class ComplexData(ReadOnlyArrays):
         if self.vertices is not None:
             return len(self.vertices)
         assert self._products is not None
-        return len(self._products[1])
+        return len(self._products)
 
     @functools.cached_property
     def edges(self) -> NDArray[np.int32]:
@@ -116,17 +115,17 @@ class ComplexData(ReadOnlyArrays):
         return topology_of(np.sort(self.simplices, axis=1), self.num_vertices)
 
     @property
-    def _source(self) -> tuple[Kind, NDArray[np.float64]]:
+    def _source(self) -> Input:
         """The positions, or the products as they were given."""
         if self.vertices is not None:
-            return "points", self.vertices
+            return Points(self.vertices)
         assert self._products is not None
         return self._products
 
     @functools.cached_property
     def _scaling(self) -> ClassicalScaling:
         assert self._products is not None
-        found = classical_scaling(*self._products)
+        found = classical_scaling(self._products)
         found.coordinates.flags.writeable = False
         return found
 

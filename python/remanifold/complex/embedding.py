@@ -173,9 +173,8 @@ def _pca(
     dim = points.shape[1]
     how = f"PCA to {axes.shape[1]} of {dim} dimensions"
     if complex.vertices is None:
-        kind = {"gram": "inner products", "distances": "distances"}
         how = (
-            f"Classical scaling of the {kind[complex._source[0]]} to {axes.shape[1]} "
+            f"Classical scaling of the {complex._source.words} to {axes.shape[1]} "
             f"of {dim} dimensions"
         )
     return Embedding(drawn, "pca", f"{how}, {_percent(kept)} of the variance", kept)

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,18 +16,6 @@ if TYPE_CHECKING:
     from remanifold.complex.data import ComplexData
 
 _BLOCK = 50_000  # simplices at a time
-
-
-def squared_distances(
-    kind: str, matrix: NDArray[np.float64], a: NDArray[Any], b: NDArray[Any]
-) -> NDArray[np.float64]:
-    """Between samples known by points, inner products or distances, by broadcasting."""
-    if kind == "points":
-        return np.asarray(((matrix[a] - matrix[b]) ** 2).sum(axis=-1))
-    if kind == "gram":
-        squares = matrix[a, a] + matrix[b, b] - 2 * matrix[a, b]
-        return np.asarray(np.maximum(squares, 0.0))
-    return np.asarray(matrix[a, b] ** 2)
 
 
 def edge_lengths(
@@ -52,10 +40,10 @@ def _gram_matrices(
     for start in range(0, len(rows), _BLOCK):
         part = rows[start : start + _BLOCK]
         first, others = part[:, :1], part[:, 1:]
-        away = squared_distances(*source, first, others)
+        away = source.squared_distances(first, others)
         gram = np.empty((len(part), dim, dim))
         for i, j in itertools.product(range(dim), repeat=2):
-            between = squared_distances(*source, others[:, i], others[:, j])
+            between = source.squared_distances(others[:, i], others[:, j])
             gram[:, i, j] = (away[:, i] + away[:, j] - between) / 2
         size = away.mean(axis=1)
         size[size == 0] = 1.0
@@ -107,7 +95,7 @@ def angles(complex: ComplexData) -> NDArray[np.float64]:
 def edge_ratios(complex: ComplexData) -> NDArray[np.float64]:
     """Shorter over longer of two edges, at each vertex of a curve that has two."""
     edges = complex.simplices
-    lengths = np.sqrt(squared_distances(*complex._source, edges[:, 0], edges[:, 1]))
+    lengths = np.sqrt(complex._source.squared_distances(edges[:, 0], edges[:, 1]))
     ends = edges.ravel()
     order = np.argsort(ends, kind="stable")
     degree = np.bincount(ends, minlength=complex.num_vertices)

@@ -25,10 +25,7 @@ class Part(ComplexData):
 def take(whole: ComplexData, simplices: NDArray[np.int32]) -> Part:
     """The part of a complex that has these simplices."""
     used = np.unique(simplices).astype(np.int32)
-    products = None
-    if whole._products is not None:
-        kind, matrix = whole._products
-        products = (kind, np.ascontiguousarray(matrix[np.ix_(used, used)]))
+    products = None if whole._products is None else whole._products.subset(used)
     return Part(
         vertices=None if whole.vertices is None else whole.vertices[used],
         simplices=np.searchsorted(used, simplices).astype(np.int32),

@@ -113,7 +113,7 @@ def _queries(
     distances: ArrayLike | None,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
     """Positions in `coordinates`, and distances from the space these span."""
-    kind = complex_._products[0] if complex_.vertices is None else "points"  # type: ignore[index]
+    samples = complex_._source
     given = {
         "points": points is not None,
         "gram": products is not None or squared_norms is not None,
@@ -123,21 +123,22 @@ def _queries(
         "points": "points",
         "gram": "products= and squared_norms=",
         "distances": "distances=",
-    }[kind]
-    if not given.pop(kind) or any(given.values()):
-        msg = f"this complex is known by its {kind}: give {wanted}, and nothing else"
+    }[samples.kind]
+    if not given.pop(samples.kind) or any(given.values()):
+        msg = (
+            f"this complex is known by its {samples.kind}: give {wanted}, and nothing "
+            "else"
+        )
         raise TypeError(msg)
-    if kind == "distances":
-        assert distances is not None
+    if distances is not None:
         return place_by_distances(complex_._scaling, distances)
-    if kind == "gram":
-        if products is None or squared_norms is None:
-            missing = "products" if products is None else "squared_norms"
-            msg = f"{missing} is missing: products and squared_norms go together"
-            raise TypeError(msg)
-        return place_by_products(complex_._scaling, products, squared_norms)
-    assert points is not None
-    return check_queries(complex_, points), None
+    if points is not None:
+        return check_queries(complex_, points), None
+    if products is None or squared_norms is None:
+        missing = "products" if products is None else "squared_norms"
+        msg = f"{missing} is missing: products and squared_norms go together"
+        raise TypeError(msg)
+    return place_by_products(complex_._scaling, products, squared_norms)
 
 
 def check_queries(complex_: ComplexData, points: ArrayLike) -> NDArray[np.float64]:

@@ -12,13 +12,12 @@ import numpy as np
 
 from remanifold import _core
 from remanifold._base.read_only import ReadOnlyArrays
-from remanifold.complex.measures import squared_distances
-from remanifold.judging.singularities import find_singularities
-from remanifold.method.steps import CHECKS
+from remanifold.judging.singularities import singularities_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from remanifold._base.samples import Input
     from remanifold.complex.topology import Topology
     from remanifold.method.result import ReconstructionData, Repair
 
@@ -254,8 +253,7 @@ class _Findings:
 
     dim: int
     ambient_dim: int | None
-    kind: str
-    matrix: NDArray[np.float64]
+    samples: Input
     num_samples: int  # without copies
     num_simplices: int
     simplices: NDArray[np.int32]
@@ -279,23 +277,6 @@ class _Findings:
     def where(self, mask: NDArray[np.bool_]) -> NDArray[np.int64]:
         return np.flatnonzero(mask & self.own)
 
-    def squared_distances(
-        self, a: NDArray[Any], b: NDArray[Any]
-    ) -> NDArray[np.float64]:
-        """Between samples, by broadcasting."""
-        return squared_distances(self.kind, self.matrix, a, b)
-
-    def squared_distances_to_middle(self, a: int, b: int) -> NDArray[np.float64]:
-        """Of all samples, from the middle between two."""
-        matrix = self.matrix
-        if self.kind == "points":
-            middle = (matrix[a] + matrix[b]) / 2
-            return np.asarray(((matrix - middle) ** 2).sum(axis=1))
-        if self.kind == "gram":
-            middle_norm = (matrix[a, a] + matrix[b, b] + 2 * matrix[a, b]) / 4
-            return np.asarray(np.diagonal(matrix) + middle_norm - matrix[a] - matrix[b])
-        return np.asarray((matrix[a] ** 2 + matrix[b] ** 2) / 2 - matrix[a, b] ** 2 / 4)
-
     def quantile(self, values: NDArray[np.float64], q: float) -> float:
         known = values[self.own & np.isfinite(values)]
         return float(np.quantile(known, q)) if len(known) else math.nan
@@ -310,8 +291,8 @@ class _Sign(NamedTuple):
 
 def assess(rec: ReconstructionData) -> Quality:
     """Measure the samples of a reconstruction and judge."""
-    kind, matrix = rec._source
-    measured = _measure(kind, matrix, rec)
+    source = rec._source
+    measured = _measure(source, rec)
     spacing, reach = measured["spacing"], measured["reach"]
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = spacing / reach
@@ -322,8 +303,7 @@ def assess(rec: ReconstructionData) -> Quality:
     findings = _Findings(
         dim=rec.dim,
         ambient_dim=rec.ambient_dim,
-        kind=kind,
-        matrix=matrix,
+        samples=source,
         num_samples=int(np.count_nonzero(own)),
         num_simplices=len(rec.simplices),
         simplices=rec.simplices,
@@ -348,7 +328,7 @@ def assess(rec: ReconstructionData) -> Quality:
         )
         signs.append(_Sign(True, text, rec.outliers.astype(np.int64)))
     if signs or findings.num_samples <= FEW:
-        signs = [*_singularities(rec, kind, matrix), *signs]
+        signs = [*_singularities(rec, source), *signs]
     if not any(sign.strong for sign in signs) and len(signs) < 2:
         signs = []
     reasons = tuple(Reason(sign.text, sign.samples) for sign in signs)
@@ -377,20 +357,23 @@ def assess(rec: ReconstructionData) -> Quality:
     )
 
 
-def _measure(
-    kind: str, matrix: NDArray[np.float64], rec: ReconstructionData
-) -> dict[str, NDArray[Any]]:
+def _measure(samples: Input, rec: ReconstructionData) -> dict[str, NDArray[Any]]:
     """By the core, as if there were no outliers; theirs is NaN, or nothing."""
     kept = np.ones(rec.num_samples, dtype=bool)
     kept[rec.outliers] = False
     simplices = rec.simplices
     if len(rec.outliers):
-        matrix = matrix[kept] if kind == "points" else matrix[np.ix_(kept, kept)]
-        matrix = np.ascontiguousarray(matrix)
+        samples = samples.subset(kept)
         number = np.cumsum(kept, dtype=np.int32) - np.int32(1)
         simplices = number[simplices]
     measured: dict[str, NDArray[Any]] = _core.quality(
-        kind, matrix, simplices, 0, rec.search, CHECKS, 0, None
+        samples,
+        simplices,
+        num_neighbors=0,
+        search=rec.search,
+        checks=_core.CHECKS,
+        num_threads=0,
+        progress=None,
     )
     if len(rec.outliers):
         for name, values in measured.items():
@@ -464,22 +447,17 @@ def _fitted(dim: int) -> int:
     return 3 * dim * (dim + 3) // 2
 
 
-def _singularities(
-    rec: ReconstructionData, kind: str, matrix: NDArray[np.float64]
-) -> Iterator[_Sign]:
+def _singularities(rec: ReconstructionData, samples: Input) -> Iterator[_Sign]:
     """Where the samples are no K-manifold at all."""
     kept = np.ones(rec.num_samples, dtype=bool)
     kept[rec.outliers] = False
     if np.count_nonzero(kept) <= 2 * rec.dim + 2:
         return
-    given: dict[str, Any] = {
-        kind: matrix[kept] if kind == "points" else matrix[np.ix_(kept, kept)]
-    }
-    found = find_singularities(**given, dim=rec.dim)
+    found = singularities_of(samples.subset(kept), rec.dim)
     if found.places:
         numbers = np.flatnonzero(kept)
-        samples = np.concatenate([place.samples for place in found.places])
-        yield _Sign(True, found.verdict, np.unique(numbers[samples]))
+        marked = np.concatenate([place.samples for place in found.places])
+        yield _Sign(True, found.verdict, np.unique(numbers[marked]))
 
 
 _NOWHERE = np.empty(0, dtype=np.int64)
@@ -555,14 +533,14 @@ def _crossings(found: _Findings) -> Iterator[_Sign]:
     edges = found.simplices
     if found.dim != 1 or len(edges) == 0:
         return
-    lengths = np.sqrt(found.squared_distances(edges[:, 0], edges[:, 1]))
+    lengths = np.sqrt(found.samples.squared_distances(edges[:, 0], edges[:, 1]))
     with np.errstate(divide="ignore", invalid="ignore"):
         relative = lengths / found.spacing[edges].mean(axis=1)
     longest = np.argsort(-relative, kind="stable")[:MOST_LONG_EDGES]
     crossing = []
     for e in longest[relative[longest] > LONG_EDGE].tolist():
         ends = edges[e]
-        squared = found.squared_distances_to_middle(*ends.tolist())
+        squared = found.samples.squares_to_middle(*ends.tolist())
         at_ends = (edges == ends[0]) | (edges == ends[1])
         squared[edges[at_ends.any(axis=1)].ravel()] = np.inf
         if squared[found.own].min() < (CROSSING * lengths[e] / 2) ** 2:
@@ -629,7 +607,7 @@ def _gaps(found: _Findings) -> Iterator[_Sign]:
 
 def _log_chance(gap: NDArray[np.float64], dim: int) -> NDArray[np.float64]:
     """Decimal logarithm of the chance that a simplex spans a larger gap."""
-    inside = (10 if dim == 1 else 2 * dim + 2) * gap**dim
+    inside = _core.scale_neighbors(dim) * gap**dim
     terms = np.zeros_like(inside)
     term = np.ones_like(inside)
     for k in range(dim):
@@ -682,8 +660,8 @@ def _face_sizes(found: _Findings, faces: NDArray[np.int32]) -> NDArray[np.float6
     """Volumes of (K-1)-simplices over the spacing to that power."""
     order = found.dim - 1
     first, others = faces[:, :1], faces[:, 1:]
-    from_first = found.squared_distances(first, others)
-    among = found.squared_distances(others[:, :, None], others[:, None, :])
+    from_first = found.samples.squared_distances(first, others)
+    among = found.samples.squared_distances(others[:, :, None], others[:, None, :])
     gram = (from_first[:, :, None] + from_first[:, None, :] - among) / 2
     volumes = np.sqrt(np.maximum(np.linalg.det(gram), 0)) / math.factorial(order)
     return np.asarray(volumes / found.spacing[faces].mean(axis=1) ** order)

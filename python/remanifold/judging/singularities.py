@@ -11,6 +11,8 @@ import numpy as np
 
 from remanifold import _core
 from remanifold._base.read_only import ReadOnlyArrays
+from remanifold._base.samples import Points
+from remanifold._base.scaling import classical_scaling
 from remanifold._base.validation import (
     check_dim,
     check_int,
@@ -22,7 +24,7 @@ from remanifold.method.steps import neighborhoods
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from remanifold._base.validation import Input
+    from remanifold._base.samples import Input
 
     Floats = NDArray[np.float64]
     Integers = NDArray[np.int64]
@@ -228,9 +230,17 @@ def find_singularities(
         num_neighbors = check_int(
             num_neighbors, "num_neighbors", minimum=k + 1, hint=f" (dim + 1 = {k + 1})"
         )
-    threads = check_num_threads(num_threads) or None
-    if samples.kind != "points":  # symmetry and signs are the core's to check
+    if not isinstance(samples, Points):  # symmetry and signs are the core's to check
         neighborhoods(num_neighbors=1, gram=gram, distances=distances)
+    return singularities_of(
+        samples, k, num_neighbors, check_num_threads(num_threads) or None
+    )
+
+
+def singularities_of(
+    samples: Input, k: int, num_neighbors: int | None = None, threads: int | None = None
+) -> Singularities:
+    """The same for samples that were checked."""
     coordinates = _coordinates(samples)
     scales = _scales(k, num_neighbors)
     kind = np.zeros(len(coordinates), dtype=np.int8)
@@ -241,7 +251,7 @@ def find_singularities(
         higher = _higher(fitted, scales, threads)
         branches = _branches(fitted, scales, threads)
         places = _places(fitted, lower, higher, branches, kind)
-    if samples.kind == "points":
+    if isinstance(samples, Points):
         places = [
             place._replace(center=_middle(samples.matrix[place.samples]))
             for place in places
@@ -260,20 +270,11 @@ def _middle(points: Floats) -> Floats:
 
 
 def _coordinates(samples: Input) -> Floats:
-    """Coordinates of order one."""
-    matrix = samples.matrix
-    if samples.kind == "points":
-        shifted = matrix / max(float(np.abs(matrix).max()), np.finfo(float).tiny)
-        return np.ascontiguousarray(shifted - shifted.mean(axis=0))
-    scaled = matrix / max(float(np.abs(matrix).max()), np.finfo(float).tiny)
-    products = scaled if samples.kind == "gram" else -(scaled**2) / 2
-    mean = products.mean(axis=0)
-    products = products - mean - mean[:, None] + mean.mean()
-    values, vectors = np.linalg.eigh(products)
-    used = values > 1e-12 * max(float(values[-1]), np.finfo(float).tiny)
-    if not used.any():
-        return np.zeros((len(matrix), 1))
-    return np.ascontiguousarray(vectors[:, used] * np.sqrt(values[used]))
+    """Coordinates of order one, about their mean."""
+    scaled = samples.of(samples.matrix / samples.scale)
+    if isinstance(scaled, Points):
+        return np.ascontiguousarray(scaled.matrix - scaled.matrix.mean(axis=0))
+    return classical_scaling(scaled).coordinates
 
 
 def _blocks(count: int, size: int) -> list[slice]:

@@ -11,10 +11,10 @@ import numpy as np
 from remanifold import _core
 from remanifold._base.progress import progress_callback
 from remanifold._base.read_only import ReadOnlyArrays
+from remanifold._base.samples import Input, Points
 from remanifold._base.scaling import classical_scaling
 from remanifold._base.text import one_line, rounded
 from remanifold._base.validation import (
-    Input,
     check_choice,
     check_dim,
     check_num_neighbors,
@@ -22,7 +22,7 @@ from remanifold._base.validation import (
     check_outliers,
     check_samples,
 )
-from remanifold.method.steps import CHECKS, EXACT_SEARCHES
+from remanifold.method.options import EXACT_SEARCHES
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -142,16 +142,18 @@ def smooth(
     if num_neighbors is not None:
         neighbors = check_num_neighbors(num_neighbors, k)
     with progress_callback(progress) as callback:
+        options = _core.Options(
+            dim=k,
+            smooth=True,
+            smoothing_neighbors=neighbors,
+            only_noise=bool(only_noise),
+            search=search,
+        )
         report = _core.clean(
-            *given,
-            k,
-            0.0,
-            neighbors,
-            bool(only_noise),
-            search,
-            CHECKS,
-            check_num_threads(num_threads),
-            callback,
+            given,
+            options,
+            num_threads=check_num_threads(num_threads),
+            progress=callback,
         )
     return smoothing_of(given, report)
 
@@ -212,15 +214,10 @@ def find_outliers(
         raise ValueError(msg)
     with progress_callback(progress) as callback:
         report = _core.clean(
-            *given,
-            k,
-            distance,
-            -1,
-            False,
-            search,
-            CHECKS,
-            check_num_threads(num_threads),
-            callback,
+            given,
+            _core.Options(dim=k, outlier_distance=distance, search=search),
+            num_threads=check_num_threads(num_threads),
+            progress=callback,
         )
     found: NDArray[np.int32] = report["outliers"]
     return found
@@ -240,9 +237,8 @@ def smoothing_of(given: Input, report: dict[str, Any], known: bool = True) -> Sm
     )
 
 
-def as_points(samples: Input) -> Input:
+def as_points(samples: Input) -> Points:
     """Coordinates for samples known by products or distances (classical scaling)."""
-    if samples.kind == "points":
+    if isinstance(samples, Points):
         return samples
-    coordinates = classical_scaling(*samples).coordinates
-    return Input("points", coordinates)
+    return Points(classical_scaling(samples).coordinates)

@@ -15,13 +15,13 @@ import numpy as np
 from remanifold import _core
 from remanifold._base.progress import progress_callback
 from remanifold._base.read_only import ReadOnlyArrays
+from remanifold._base.samples import Input, Points
 from remanifold._base.validation import (
-    Input,
     check_int,
     check_num_threads,
     check_samples,
 )
-from remanifold.method.steps import CHECKS
+from remanifold.method.options import CHECKS
 from remanifold.warnings import DimensionWarning
 
 if TYPE_CHECKING:
@@ -231,12 +231,10 @@ def estimate(
     samples: Input, scale: int | None, threads: int, callback: Callback | None
 ) -> DimensionEstimate:
     """Estimate the dimension of samples that are checked already."""
-    if samples.kind != "points":  # what only the core checks comes first
-        _core.neighborhoods(
-            samples.kind, samples.matrix, 1, "auto", CHECKS, threads, callback
-        )
+    if not isinstance(samples, Points):  # what only the core checks comes first
+        _nearest_of_all(samples, 1, threads, callback)
     data, copies = _distinct(samples)
-    count = len(data.matrix)
+    count = len(data)
     if count < MIN_SAMPLES:
         msg = (
             f"{samples.kind} has {count} different sample{'' if count == 1 else 's'}; "
@@ -290,75 +288,42 @@ def estimate(
 # ------------------------------------------------------------------- the samples
 
 
+def _nearest_of_all(
+    samples: Input, count: int, threads: int, callback: Callback | None
+) -> tuple[NDArray[np.int32], Floats]:
+    """Nearest other samples of each, and the distances."""
+    indices, distances, _, _ = _core.neighborhoods(
+        samples,
+        num_neighbors=count,
+        search="auto",
+        checks=CHECKS,
+        num_threads=threads,
+        progress=callback,
+    )
+    return indices, distances
+
+
 def _distinct(samples: Input) -> tuple[Input, Ints]:
     """Scale to unit size and leave copies out; also the place of every sample."""
-    matrix = samples.matrix
-    largest = float(np.abs(matrix).max()) or 1.0
-    count = len(matrix)
-    if samples.kind == "points":
-        # Only samples that share a first coordinate need a second look.
-        cells = np.rint(matrix[:, 0] / largest * 2.0**48)
-        order = np.argsort(cells, kind="stable")
-        same = np.concatenate([[False], cells[order][1:] == cells[order][:-1], [False]])
-        maybe = np.sort(order[same[1:] | same[:-1]])
-        keys = np.rint(matrix[maybe] / largest * 2.0**48) + 0.0  # no negative zeros
-        _, first, inverse = np.unique(
-            keys, axis=0, return_index=True, return_inverse=True
-        )
-        original = np.arange(count)
-        original[maybe] = maybe[first][inverse.ravel()]
-    else:
-        diagonal = np.diagonal(matrix)
-        original = np.empty(count, dtype=np.int64)
-        for i in range(count):
-            if samples.kind == "gram":
-                size = diagonal[i] + diagonal
-                near = size - 2 * matrix[i] <= 2.0**-48 * size
-            else:
-                near = matrix[i] <= 2.0**-48 * largest
-            near[i] = True
-            original[i] = np.argmax(near)
-    kept, copies = np.unique(original, return_inverse=True)
-    scaled = matrix / largest
-    if len(kept) < count:
-        scaled = (
-            scaled[kept] if samples.kind == "points" else scaled[np.ix_(kept, kept)]
-        )
-    if samples.kind == "points":
-        scaled -= scaled.mean(axis=0)
-    return Input(samples.kind, np.ascontiguousarray(scaled)), copies.ravel()
+    kept, copies = np.unique(samples.first_copies(), return_inverse=True)
+    data = samples.of(samples.matrix / samples.scale)
+    if len(kept) < len(samples):
+        data = data.subset(kept)
+    if isinstance(data, Points):
+        data = data.of(data.matrix - data.matrix.mean(axis=0))
+    return data, copies.ravel()
 
 
-def _squares(data: Input) -> Floats:
-    """Squared norms, where distances are computed from products."""
-    if data.kind == "gram":
-        return np.array(np.diagonal(data.matrix))
-    return np.asarray(np.einsum("nd,nd->n", data.matrix, data.matrix))
-
-
-def _nearest(
-    data: Input, squares: Floats, queries: Ints, count: int
-) -> tuple[Ints, Floats]:
+def _nearest(data: Input, queries: Ints, count: int) -> tuple[Ints, Floats]:
     """Nearest other samples of some samples, and the distances."""
-    matrix = data.matrix
-    many = data.kind == "points" and matrix.shape[1] > 8
-    if data.kind == "distances":
-        far = matrix[queries] ** 2
-    elif many or data.kind == "gram":
-        products = matrix[queries] @ matrix.T if many else matrix[queries]
-        far = squares[queries, None] + squares - 2 * products
-    else:
-        far = np.zeros((len(queries), len(matrix)))
-        for column in matrix.T:
-            far += (column[queries, None] - column) ** 2
+    far = data.squares_from(queries)
     far[np.arange(len(queries)), queries] = np.inf
     near = np.argpartition(far, count - 1, axis=1)[:, :count]
     near.sort(axis=1)  # ties by index
     far = np.take_along_axis(far, near, axis=1)
-    if many:
-        # Products cancel, and logarithms are to be taken.
+    if data.cancels:  # and logarithms are to be taken
         for row, query, own in zip(far, queries, near, strict=True):
-            row[:] = ((matrix[own] - matrix[query]) ** 2).sum(axis=1)
+            row[:] = data.squared_distances(query, own)
     order = np.argsort(far, axis=1, kind="stable")
     near = np.take_along_axis(near, order, axis=1)
     far = np.take_along_axis(far, order, axis=1)
@@ -370,28 +335,15 @@ def _log_spectra(data: Input, members: NDArray[np.integer]) -> Floats:
 
     `members` is (B, c), the result (B, min(D, c - 1)).
     """
-    matrix, (total, count) = data.matrix, members.shape
-    gathered = matrix.shape[1] if data.kind == "points" else count
+    total, count = members.shape
+    gathered = data.matrix.shape[1] if isinstance(data, Points) else count
     size = max(1, BLOCK // (count * gathered))
     if size < total:
         parts = [
             _log_spectra(data, members[i : i + size]) for i in range(0, total, size)
         ]
         return np.concatenate(parts)
-    if data.kind == "points":
-        local = matrix[members]
-        local -= local.mean(axis=1, keepdims=True)
-        local /= np.maximum(
-            np.abs(local).max(axis=(1, 2), keepdims=True), np.finfo(float).tiny
-        )
-        turned = local.transpose(0, 2, 1)
-        products = turned @ local if local.shape[2] < count else local @ turned
-    else:
-        products = matrix[members[:, :, None], members[:, None, :]]
-        if data.kind == "distances":
-            products = products**2 / -2
-        products -= products.mean(axis=1, keepdims=True)
-        products -= products.mean(axis=2, keepdims=True)
+    products = data.local_products(members)
     values = np.linalg.eigvalsh(products)[:, ::-1][:, : count - 1]
     largest = np.maximum(values[:, :1], np.finfo(float).tiny)
     return np.asarray(np.log(np.maximum(values / largest, ROUNDING)))
@@ -462,10 +414,9 @@ def _look_at_scales(data: Input, scales: Ints, run: _Blocks) -> tuple[list[_Look
     # A Gram matrix has as many columns as samples.
     spectra = [np.empty((number, min(len(p) - 1, columns))) for p in places]
     logs = np.empty((number, len(scales)))
-    squares = _squares(data)
 
     def work(block: slice) -> None:
-        near, distances = _nearest(data, squares, queries[block], most)
+        near, distances = _nearest(data, queries[block], most)
         members = np.column_stack([queries[block], near])
         logs[block] = [
             [np.log(row[m - 1] / row[m // 2 - 1]) for m in scales] for row in distances
@@ -560,9 +511,7 @@ def _ask_every_sample(
     data: Input, neighbors: int, dim: int, rank: int, clear: bool, run: _Blocks
 ) -> _Around:
     """Decide for each sample, together with the neighborhoods around."""
-    indices, lengths, _, _ = _core.neighborhoods(
-        data.kind, data.matrix, neighbors, "auto", CHECKS, run.threads, run.callback
-    )
+    indices, lengths = _nearest_of_all(data, neighbors, run.threads, run.callback)
     count, m = indices.shape
     lengths = np.maximum(lengths, np.finfo(float).tiny)
     chosen = _spread(m + 1, MAX_MEMBERS)

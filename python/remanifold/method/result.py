@@ -171,7 +171,9 @@ class ReconstructionData(ComplexData):
         """
         if self.vertices is None or self._frames is None:
             return None
-        bases = _core.tangent_bases(self.vertices, *self._frames, 0, None)
+        bases = _core.tangent_bases(
+            self.vertices, *self._frames, num_threads=0, progress=None
+        )
         bases.flags.writeable = False
         return bases
 

@@ -22,18 +22,19 @@ from remanifold._base.validation import (
     check_points,
     check_samples,
 )
+from remanifold.method.options import (
+    CHECKS,
+    EDGE_RULES,
+    ESTIMATORS,
+    EXACT_SEARCHES,
+    SEARCHES,
+)
 from remanifold.warnings import RecallWarning
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from remanifold._base.progress import Callback
-
-EXACT_SEARCHES = ("auto", "kdtree", "brute_force")
-SEARCHES = (*EXACT_SEARCHES, "approximate")
-ESTIMATORS = ("enclosure", "pca", "jet")
-EDGE_RULES = ("mutual", "either")
-CHECKS = 256
 
 
 class Neighborhoods(NamedTuple):
@@ -171,13 +172,12 @@ def neighborhoods(
     check_choice(search, "search", SEARCHES)
     with progress_callback(progress) as callback:
         indices, lengths, method, recall = _core.neighborhoods(
-            samples.kind,
-            samples.matrix,
-            count,
-            search,
-            check_int(checks, "checks", minimum=1),
-            check_num_threads(num_threads),
-            callback,
+            samples,
+            num_neighbors=count,
+            search=search,
+            checks=check_int(checks, "checks", minimum=1),
+            num_threads=check_num_threads(num_threads),
+            progress=callback,
         )
     warn_of_recall(method, recall)
     return Neighborhoods(indices, lengths)
@@ -235,15 +235,14 @@ def tangent_spaces(
     check_choice(search, "search", EXACT_SEARCHES)
     with progress_callback(progress) as callback:
         bases, simplices, boundary = _core.tangent_spaces(
-            samples.kind,
-            samples.matrix,
-            k,
-            check_num_neighbors(num_neighbors, k),
-            estimator,
-            search,
-            CHECKS,
-            check_num_threads(num_threads),
-            callback,
+            samples,
+            dim=k,
+            num_neighbors=check_num_neighbors(num_neighbors, k),
+            estimator=estimator,
+            search=search,
+            checks=CHECKS,
+            num_threads=check_num_threads(num_threads),
+            progress=callback,
         )
     return TangentSpaces(bases, simplices, boundary)
 
@@ -292,10 +291,10 @@ def local_regions(
             array,
             frames,
             missing,
-            search,
-            CHECKS,
-            check_num_threads(num_threads),
-            callback,
+            search=search,
+            checks=CHECKS,
+            num_threads=check_num_threads(num_threads),
+            progress=callback,
         )
     return LocalRegions(
         EdgeSets(offsets, indices), Stars(star_offsets, stars), np.isinf(radii), radii
@@ -375,8 +374,8 @@ def clique_complex(
         return _core.clique_complex(
             check_index_array(offsets, "offsets", np.int64),
             check_index_array(indices, "indices", np.int32),
-            check_int(dim, "dim", minimum=1),
-            edges,
-            check_num_threads(num_threads),
-            callback,
+            dim=check_int(dim, "dim", minimum=1),
+            edges=edges,
+            num_threads=check_num_threads(num_threads),
+            progress=callback,
         )

@@ -262,7 +262,7 @@ def how(rec: JudgedReconstruction, command: str | None) -> str:
     total = math.fsum(rec.timings.values())
     parameters: list[tuple[str, object]] = [
         ("dimension K", rec.dim),
-        ("given as", {"points": f"points in R^{rec.ambient_dim}"}.get(*_kind(rec))),
+        ("given as", _given_as(rec)),
         ("samples", f"{rec.num_samples:,}"),
         ("method", rec.method),
         ("estimator of tangent spaces", rec.estimator),
@@ -293,9 +293,9 @@ def how(rec: JudgedReconstruction, command: str | None) -> str:
     )
 
 
-def _kind(rec: JudgedReconstruction) -> tuple[str, str]:
-    kind = rec._source[0]
-    return kind, {"gram": "inner products"}.get(kind, kind)
+def _given_as(rec: JudgedReconstruction) -> str:
+    words = rec._source.words
+    return words if rec.ambient_dim is None else f"{words} in R^{rec.ambient_dim}"
 
 
 def contents() -> Iterator[tuple[str, str]]:

@@ -10,56 +10,41 @@ import numpy as np
 
 from remanifold import _core
 from remanifold._base.progress import progress_callback
-from remanifold._base.validation import (
-    check_boundary,
-    check_choice,
-    check_dim,
-    check_int,
-    check_num_neighbors,
-    check_num_threads,
-    check_outliers,
-    check_positive,
-    check_samples,
-    check_smooth,
-)
+from remanifold._base.samples import Points
+from remanifold._base.validation import check_dim, check_num_threads, check_samples
 from remanifold.method.cleaning import as_points, smoothing_of
 from remanifold.method.dimension import find_dimension
+from remanifold.method.options import CHECKS, Options
 from remanifold.method.programs import solve_program
-from remanifold.method.steps import (
-    CHECKS,
-    EDGE_RULES,
-    ESTIMATORS,
-    SEARCHES,
-    EdgeSets,
-    Stars,
-    warn_of_recall,
-)
+from remanifold.method.steps import EdgeSets, Stars, warn_of_recall
 from remanifold.results.reconstruction import Reconstruction
 from remanifold.warnings import ManifoldWarning
 
 if TYPE_CHECKING:
+    from typing import Literal
+
     from numpy.typing import ArrayLike, NDArray
 
     from remanifold._base.progress import Callback
-
-METHODS = ("manifold", "paper")
+    from remanifold._base.samples import Input
+    from remanifold.method.options import EdgeRule, Estimator, Method, Search
 
 
 def reconstruct(
     points: ArrayLike | None = None,
     dim: int | str | None = None,
     *,
-    method: str = "manifold",
-    boundary: str | bool | ArrayLike = "auto",
+    method: Method = "manifold",
+    boundary: Literal["auto", False] | ArrayLike = "auto",
     hole_radius: float | None = None,
-    outliers: str | bool | float | None = None,
-    smooth: str | bool | int = False,
+    outliers: Literal["auto", False] | float | None = None,
+    smooth: Literal["auto"] | bool | int = False,
     gram: ArrayLike | None = None,
     distances: ArrayLike | None = None,
     num_neighbors: int | None = None,
-    estimator: str | None = None,
-    edges: str | None = None,
-    search: str = "auto",
+    estimator: Estimator | None = None,
+    edges: EdgeRule | None = None,
+    search: Search = "auto",
     checks: int = CHECKS,
     num_threads: int | None = None,
     progress: bool | Callback | None = None,
@@ -81,9 +66,10 @@ def reconstruct(
         or faces may be open where all their vertices are marked.
     hole_radius : float, optional
         Radius of the smallest round hole that ``boundary="auto"`` leaves open, in units
-        of the local scale (the distance to the (2K+2)-th neighbor, for K = 2 about 1.4
-        times the root of the area per sample; for K = 1 to the sixth). By default from
-        3 for samples that lie at random to 1.4 for even ones.
+        of the local scale (the distance to the (2K+2)-th neighbor, on curves to the
+        tenth; for K = 2 about 1.4 times the root of the area per sample). By default
+        from 3 for samples that lie at random to 1.4 for even ones, on curves 0.6 times
+        that.
     outliers : "auto", False or float, optional
         Distance from the manifold of the others at which a sample is left out, in local
         scales; "auto", by default with the manifold method, is 2. See `find_outliers`.
@@ -134,77 +120,61 @@ def reconstruct(
     >>> rec.topology().betti_numbers
     (1, 1)
     """
-    check_choice(method, "method", METHODS)
-    manifold = method == "manifold"
-    if estimator is None:
-        estimator = "jet" if manifold else "enclosure"
-    check_choice(estimator, "estimator", ESTIMATORS)
-    check_choice(search, "search", SEARCHES)
-    samples = check_samples(points, gram, distances)
-    if isinstance(dim, str) and dim == "auto":
-        dim = find_dimension(samples, check_num_threads(num_threads), progress)
-    k = check_dim(dim, samples)
-    if num_neighbors is None and manifold:
-        num_neighbors = 3 * (k + k * (k + 1) // 2)
-    neighbors = check_num_neighbors(num_neighbors, k)
-    checks = check_int(checks, "checks", minimum=1)
-    threads = check_num_threads(num_threads)
-    rule, mask = check_boundary(boundary, len(samples.matrix))
-    radius = 0.0 if hole_radius is None else check_positive(hole_radius, "hole_radius")
-    if manifold and edges is not None:
-        msg = 'edges is for method="paper" only'
-        raise ValueError(msg)
-    if not manifold and rule != "auto":
-        msg = 'boundary is for method="manifold" only'
-        raise ValueError(msg)
-    edges = "mutual" if edges is None else edges
-    check_choice(edges, "edges", EDGE_RULES)
-    distance = check_outliers(
-        ("auto" if manifold else False) if outliers is None else outliers
+    options = Options(
+        method=method,
+        boundary=boundary,
+        hole_radius=hole_radius,
+        outliers=outliers,
+        smooth=smooth,
+        num_neighbors=num_neighbors,
+        estimator=estimator,
+        edges=edges,
+        search=search,
+        checks=checks,
     )
-    smoothing_neighbors, only_noise = check_smooth(smooth, k)
-    given = as_points(samples) if smoothing_neighbors >= 0 else samples
+    samples = check_samples(points, gram, distances)
+    threads = check_num_threads(num_threads)
+    if isinstance(dim, str) and dim == "auto":
+        dim = find_dimension(samples, threads, progress)
+    return reconstruct_samples(samples, dim, options, threads, progress)
+
+
+def reconstruct_samples(
+    samples: Input,
+    dim: int | str | None,
+    options: Options,
+    threads: int,
+    progress: bool | Callback | None,
+) -> Reconstruction:
+    """The same for samples that were checked."""
+    k = check_dim(dim, samples)
+    given = as_points(samples) if options.smooths else samples
+    choices = options.for_core(len(samples), k)
     result: dict[str, Any]
     with progress_callback(progress) as callback:
-        common = (given.kind, given.matrix, k, neighbors, estimator)
-        cleaning = (distance, smoothing_neighbors, only_noise)
-        if manifold:
-            result = _core.reconstruct_manifold(
-                *common,
-                rule,
-                mask,
-                radius,
-                *cleaning,
-                search,
-                checks,
-                solve_program,
-                threads,
-                callback,
+        if options.is_paper:
+            result = _core.reconstruct_paper(
+                given, choices, num_threads=threads, progress=callback
             )
         else:
-            result = _core.reconstruct_paper(
-                *common, edges, *cleaning, search, checks, threads, callback
+            result = _core.reconstruct(
+                given,
+                choices,
+                solve=solve_program,
+                num_threads=threads,
+                progress=callback,
             )
     warn_of_recall(result["search"], result["recall"])
-    known = samples.kind == "points"
+    known = isinstance(samples, Points)
     smoothing = None
-    if smoothing_neighbors >= 0:
+    if options.smooths:
         smoothing = smoothing_of(given, result["cleaning"], known)
     vertices = None
     if known:
         vertices = samples.matrix.view() if smoothing is None else smoothing.points
     report = {}
     paper: dict[str, Any] = {}
-    if manifold:
-        report = _finish_report(result["repair"], k, rule, mask)
-        if len(result["simplices"]) == 0:
-            warnings.warn(
-                f"no {k}-dimensional simplices: the samples span too little, or are too "
-                "far apart",
-                ManifoldWarning,
-                stacklevel=2,
-            )
-    else:
+    if options.is_paper:
         paper = {
             "tangent_simplices": result["tangent_simplices"],
             "edge_sets": EdgeSets(
@@ -212,8 +182,19 @@ def reconstruct(
             ),
             "stars": Stars(result["star_offsets"], result["star_simplices"]),
             "unbounded": result["unbounded"],
-            "edge_rule": edges,
+            "edge_rule": options.edge_rule,
         }
+    else:
+        report = _finish_report(
+            result["repair"], k, *options.boundary_rule(len(samples))
+        )
+        if len(result["simplices"]) == 0:
+            warnings.warn(
+                f"no {k}-dimensional simplices: the samples span too little, or are too "
+                "far apart",
+                ManifoldWarning,
+                stacklevel=3,
+            )
     tangents = result["tangents"] if known else None
     frames = tangents if isinstance(tangents, tuple) else None
     rec = Reconstruction(
@@ -224,15 +205,15 @@ def reconstruct(
         representatives=result["representatives"],
         outliers=result["cleaning"]["outliers"],
         smoothing=smoothing,
-        method=method,
-        estimator=estimator,
+        method=options.method,
+        estimator=options.tangent_estimator,
         search=result["search"],
-        num_neighbors=neighbors,
+        num_neighbors=options.neighbors(k),
         recall=result["recall"],
         timings=result["timings"],
         _report=report,
         _frames=frames,
-        _products=None if known else (samples.kind, samples.matrix.view()),
+        _products=None if known else samples,
         **paper,
     )
     # What is known already fills the places of the cached properties.

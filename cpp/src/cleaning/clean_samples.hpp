@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The samples that a reconstruction is of: outliers left out, the others smoothed, as far
+// as asked for.
+#pragma once
+
+#include "remanifold/neighborhoods.hpp"
+#include "remanifold/options.hpp"
+#include "remanifold/reconstruct.hpp"
+#include "remanifold/samples.hpp"
+
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace remanifold::detail {
+
+/// The samples must outlive it.
+class CleanSamples {
+ public:
+  CleanSamples(const Samples& given, const ReconstructOptions& options,
+               double outlier_distance, const Execution& execution);
+  CleanSamples(const CleanSamples&) = delete;
+  CleanSamples& operator=(const CleanSamples&) = delete;
+
+  /// \param count  of neighborhoods, 0 where the caller has no use for them
+  void run(Index count);
+
+  const Samples& samples() const { return changed_ ? *changed_ : given_; }
+  const NeighborSearch& search() const { return *search_; }
+  const Neighborhoods& neighborhoods() const { return neighborhoods_; }
+  Cleaning take_report() { return std::move(report_); }
+  double neighborhood_seconds() const { return neighborhood_seconds_; }
+  double cleaning_seconds() const { return cleaning_seconds_; }
+
+ private:
+  void find(Index count);
+  void change(Samples samples);
+  void leave_out(const std::vector<Index>& outliers);
+  void move(const std::vector<double>& points);
+
+  const Samples& given_;
+  const ReconstructOptions& options_;
+  double outlier_distance_;
+  const Execution& execution_;
+  std::optional<Samples> changed_;
+  std::optional<NeighborSearch> search_;
+  Neighborhoods neighborhoods_;
+  Cleaning report_;
+  double neighborhood_seconds_ = 0;
+  double cleaning_seconds_ = 0;
+};
+
+}  // namespace remanifold::detail

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The default method, from top to bottom: tangent spaces, local regions, what the stars
+// agree on, the chain of least energy through the rest, orientation.
+#include "base/parallel.hpp"
+#include "cleaning/clean_samples.hpp"
+#include "local/regions.hpp"
+#include "remanifold/constants.hpp"
+#include "remanifold/input_numbering.hpp"
+#include "remanifold/reconstruct.hpp"
+
+#include <Eigen/Core>
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <utility>
+
+namespace remanifold {
+namespace {
+
+/// +1 where the input numbers of the vertices are an even permutation of ascending ones.
+int sign_of_input_order(const Samples& samples, const Index* simplex, int arity) {
+  int sign = 1;
+  for (int i = 0; i < arity; ++i) {
+    for (int j = 0; j < i; ++j) {
+      if (samples.input_index(simplex[j]) > samples.input_index(simplex[i])) {
+        sign = -sign;
+      }
+    }
+  }
+  return sign;
+}
+
+/// Signs of simplices with ascending columns: alike across facets, and with a positive
+/// volume where there is one to speak of. 0 where a patch has no orientation.
+std::vector<std::int8_t> orient(const Samples& samples, const SimplexArray& simplices,
+                                const OrientedPatches& patches) {
+  const int arity = simplices.arity;
+  const int dim = arity - 1;
+  const auto num_patches = patches.sizes.size();
+  const int ambient_dim = samples.has_points() ? samples.ambient_dim() : 0;
+  std::vector<double> volume(num_patches, 0.0);
+  std::vector<double> first(num_patches, 0.0);
+  Eigen::MatrixXd edges(ambient_dim, ambient_dim);
+  for (Offset s = 0; s < simplices.size(); ++s) {
+    const Index patch = patches.patch[s];
+    const double sign = patches.sign[s];
+    if (first[patch] == 0) {
+      first[patch] = sign * sign_of_input_order(samples, simplices[s], arity);
+    }
+    // With K = D - 1 the volume of the cone over the simplex from the origin.
+    if (ambient_dim == dim || (ambient_dim == dim + 1 && patches.closed[patch] != 0)) {
+      const bool cone = ambient_dim > dim;
+      for (int i = 0; i < ambient_dim; ++i) {
+        const double* p = samples.point(simplices[s][cone ? i : i + 1]);
+        const double* origin = samples.point(simplices[s][0]);
+        for (int j = 0; j < ambient_dim; ++j) {
+          edges(i, j) = cone ? p[j] : p[j] - origin[j];
+        }
+      }
+      volume[patch] += sign * (ambient_dim == 3 ? Eigen::Matrix3d(edges).determinant()
+                                                : edges.determinant());
+    }
+  }
+  std::vector<std::int8_t> signs(simplices.size(), 0);
+  for (Offset s = 0; s < simplices.size(); ++s) {
+    const Index patch = patches.patch[s];
+    if (patches.orientable[patch] != 0) {
+      const double turn = volume[patch] != 0 ? volume[patch] : first[patch];
+      signs[s] =
+          static_cast<std::int8_t>(turn < 0 ? -patches.sign[s] : patches.sign[s]);
+    }
+  }
+  return signs;
+}
+
+}  // namespace
+
+Reconstruction reconstruct(const Samples& given, const ReconstructOptions& options,
+                           const ProgramSolver& solver, const Execution& execution) {
+  const int dim = options.dim;
+  const TangentOptions tangent{
+      dim, options.num_neighbors > 0 ? options.num_neighbors : jet_neighbors(dim),
+      options.estimator.value_or(Estimator::kJet)};
+  detail::CleanSamples clean(
+      given, options, options.outlier_distance.value_or(kOutlierDistance), execution);
+  detail::Regions steps = detail::compute_regions(clean, tangent, execution);
+  const Samples& samples = clean.samples();
+  const Neighborhoods& neighborhoods = clean.neighborhoods();
+  detail::Stopwatch watch;
+  Reconstruction result;
+  result.dim = dim;
+  result.search = clean.search().method();
+  result.cleaning = clean.take_report();
+  result.recall = steps.recall;
+  result.seconds = steps.seconds;
+  result.representatives = samples.representatives();
+
+  ManifoldOptions manifold = options.manifold;
+  if (manifold.boundary == BoundaryRule::kGiven) {
+    manifold.boundary_samples = flags_to_canonical(samples, manifold.boundary_samples);
+  }
+  steps.regions.edge_sets = {};  // the stars are all that is needed
+  detail::begin_step(execution, Step::kComplex, 0);
+  ManifoldComplex complex =
+      build_manifold(samples.knowing(neighborhoods), neighborhoods, steps.tangents,
+                     steps.regions, manifold, solver, execution);
+  steps.regions = {};
+  const std::vector<std::int8_t> signs =
+      orient(samples, complex.simplices, complex.patches);
+  result.simplices = to_input(samples, complex.simplices, signs, execution);
+  ManifoldReport& report = complex.report;
+  for (SimplexArray* simplices : {&report.disputed, &report.filled, &report.open_facets,
+                                  &report.branching_facets}) {
+    *simplices = to_input(samples, *simplices, {});
+  }
+  for (std::vector<Index>* vertices :
+       {&report.singular, &report.inserted, &report.outliers}) {
+    *vertices = to_input(samples, std::move(*vertices));
+  }
+  result.report = std::move(report);
+  result.boundary.assign(samples.input_size(), 0);
+  for (const Index v : result.report.open_facets.vertices) {
+    result.boundary[v] = 1;
+  }
+  result.seconds.complex = watch.lap();
+  detail::write_tangents(samples, to_input(samples, steps.tangents, execution),
+                         result.tangents, result.frames);
+  const double written = watch.lap();
+  result.seconds.coordinates += written;
+  result.seconds.neighborhoods += written;
+  return result;
+}
+
+}  // namespace remanifold

@@ -1,0 +1,229 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What samples are known by: points, inner products or distances, one class each."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+Kind = Literal["points", "gram", "distances"]
+_ROUNDING = 2.0**-48  # of the largest coordinate: samples nearer than this are one
+_FEW_COORDINATES = 8  # up to which differences cost less than products
+
+
+@dataclass(frozen=True, eq=False)
+class Input(ABC):
+    """N samples in the layout of the core.
+
+    Everything that depends on how the samples are known is a method here; nobody else
+    asks for the kind.
+    """
+
+    matrix: Floats
+    kind: ClassVar[Kind]
+    words: ClassVar[str]  # what the matrix holds, in a sentence
+
+    @property
+    def cancels(self) -> bool:
+        """Whether `squares_from` loses the digits of small distances."""
+        return False
+
+    def __len__(self) -> int:
+        return len(self.matrix)
+
+    @property
+    def scale(self) -> float:
+        """The largest number, 1 where all are zero."""
+        return float(np.abs(self.matrix).max()) or 1.0
+
+    def of(self, matrix: Floats) -> Input:
+        """Other samples, known by the same."""
+        return type(self)(np.ascontiguousarray(matrix))
+
+    @abstractmethod
+    def subset(self, kept: NDArray[Any]) -> Input:
+        """Some of the samples, by a mask or by numbers."""
+
+    @abstractmethod
+    def squared_distances(self, a: NDArray[Any], b: NDArray[Any]) -> Floats:
+        """Between samples, by broadcasting."""
+
+    @abstractmethod
+    def squares_to_middle(self, a: int, b: int) -> Floats:
+        """Squared distances of all samples from the middle between two."""
+
+    @abstractmethod
+    def squares_from(self, queries: NDArray[Any]) -> Floats:
+        """Squared distances of some samples from all, (Q, N)."""
+
+    @abstractmethod
+    def products(self) -> Floats:
+        """Inner products of the samples, about any origin."""
+
+    @abstractmethod
+    def local_products(self, members: NDArray[np.integer]) -> Floats:
+        """Matrices with the spectra of neighborhoods but for zeros; `members` is (B, c)."""
+
+    @abstractmethod
+    def first_copies(self) -> NDArray[np.int64]:
+        """For each sample the first one that coincides with it up to rounding."""
+
+
+class Points(Input):
+    """Samples known by their coordinates, (N, D)."""
+
+    kind = "points"
+    words = "points"
+
+    @property
+    def cancels(self) -> bool:
+        """Products are faster in many coordinates."""
+        return bool(self.matrix.shape[1] > _FEW_COORDINATES)
+
+    def subset(self, kept: NDArray[Any]) -> Input:
+        return self.of(self.matrix[kept])
+
+    def squared_distances(self, a: NDArray[Any], b: NDArray[Any]) -> Floats:
+        return np.asarray(((self.matrix[a] - self.matrix[b]) ** 2).sum(axis=-1))
+
+    def squares_to_middle(self, a: int, b: int) -> Floats:
+        middle = (self.matrix[a] + self.matrix[b]) / 2
+        return np.asarray(((self.matrix - middle) ** 2).sum(axis=1))
+
+    def squares_from(self, queries: NDArray[Any]) -> Floats:
+        matrix = self.matrix
+        if self.cancels:
+            squares = np.einsum("nd,nd->n", matrix, matrix)
+            products = matrix[queries] @ matrix.T
+            return np.asarray(squares[queries, None] + squares - 2 * products)
+        far = np.zeros((len(queries), len(matrix)))
+        for column in matrix.T:
+            far += (column[queries, None] - column) ** 2
+        return far
+
+    def products(self) -> Floats:
+        return np.asarray(self.matrix @ self.matrix.T)
+
+    def local_products(self, members: NDArray[np.integer]) -> Floats:
+        local = self.matrix[members]
+        local -= local.mean(axis=1, keepdims=True)
+        local /= np.maximum(
+            np.abs(local).max(axis=(1, 2), keepdims=True), np.finfo(float).tiny
+        )
+        turned = local.transpose(0, 2, 1)
+        small = local.shape[2] < local.shape[1]
+        return np.asarray(turned @ local if small else local @ turned)
+
+    def first_copies(self) -> NDArray[np.int64]:
+        # Only samples that share a first coordinate need a second look.
+        largest = self.scale
+        cells = np.rint(self.matrix[:, 0] / largest / _ROUNDING)
+        order = np.argsort(cells, kind="stable")
+        same = np.concatenate([[False], cells[order][1:] == cells[order][:-1], [False]])
+        maybe = np.sort(order[same[1:] | same[:-1]])
+        keys = np.rint(self.matrix[maybe] / largest / _ROUNDING) + 0.0  # no -0.0
+        _, first, inverse = np.unique(
+            keys, axis=0, return_index=True, return_inverse=True
+        )
+        original = np.arange(len(self.matrix))
+        original[maybe] = maybe[first][inverse.ravel()]
+        return original
+
+
+class _Square(Input):
+    """Samples known by an N x N matrix."""
+
+    def subset(self, kept: NDArray[Any]) -> Input:
+        return self.of(self.matrix[np.ix_(kept, kept)])
+
+    def local_products(self, members: NDArray[np.integer]) -> Floats:
+        products = self._products_of(
+            self.matrix[members[:, :, None], members[:, None, :]]
+        )
+        products -= products.mean(axis=1, keepdims=True)
+        products -= products.mean(axis=2, keepdims=True)
+        return products
+
+    def products(self) -> Floats:
+        return self._products_of(self.matrix)
+
+    def first_copies(self) -> NDArray[np.int64]:
+        original = np.empty(len(self.matrix), dtype=np.int64)
+        for i in range(len(original)):
+            near = self._coincide(i)
+            near[i] = True
+            original[i] = np.argmax(near)
+        return original
+
+    @abstractmethod
+    def _products_of(self, matrix: Floats) -> Floats:
+        """Inner products, about any origin, from entries of the matrix."""
+
+    @abstractmethod
+    def _coincide(self, i: int) -> NDArray[np.bool_]:
+        """Which samples are sample i up to rounding."""
+
+
+class Gram(_Square):
+    """Samples known by their inner products."""
+
+    kind = "gram"
+    words = "inner products"
+
+    def squared_distances(self, a: NDArray[Any], b: NDArray[Any]) -> Floats:
+        matrix = self.matrix
+        squares = matrix[a, a] + matrix[b, b] - 2 * matrix[a, b]
+        return np.asarray(np.maximum(squares, 0.0))
+
+    def squares_to_middle(self, a: int, b: int) -> Floats:
+        matrix = self.matrix
+        middle_norm = (matrix[a, a] + matrix[b, b] + 2 * matrix[a, b]) / 4
+        return np.asarray(np.diagonal(matrix) + middle_norm - matrix[a] - matrix[b])
+
+    def squares_from(self, queries: NDArray[Any]) -> Floats:
+        squares = np.array(np.diagonal(self.matrix))
+        return np.asarray(squares[queries, None] + squares - 2 * self.matrix[queries])
+
+    def _products_of(self, matrix: Floats) -> Floats:
+        return matrix
+
+    def _coincide(self, i: int) -> NDArray[np.bool_]:
+        diagonal = np.diagonal(self.matrix)
+        size = diagonal[i] + diagonal
+        return np.asarray(size - 2 * self.matrix[i] <= _ROUNDING * size)
+
+
+class Distances(_Square):
+    """Samples known by their distances."""
+
+    kind = "distances"
+    words = "distances"
+
+    def squared_distances(self, a: NDArray[Any], b: NDArray[Any]) -> Floats:
+        return np.asarray(self.matrix[a, b] ** 2)
+
+    def squares_to_middle(self, a: int, b: int) -> Floats:
+        matrix = self.matrix
+        return np.asarray((matrix[a] ** 2 + matrix[b] ** 2) / 2 - matrix[a, b] ** 2 / 4)
+
+    def squares_from(self, queries: NDArray[Any]) -> Floats:
+        return np.asarray(self.matrix[queries] ** 2)
+
+    def _products_of(self, matrix: Floats) -> Floats:
+        return np.square(matrix) / -2
+
+    def _coincide(self, i: int) -> NDArray[np.bool_]:
+        return np.asarray(self.matrix[i] <= _ROUNDING * self.scale)
+
+
+INPUTS: Sequence[type[Input]] = (Points, Gram, Distances)
