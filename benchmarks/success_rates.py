@@ -37,7 +37,7 @@ from judge import judge
 from peers import PERTURBATION, tangential_complex, top_simplices
 from processes import Failure, run_all
 from remanifold import datasets
-from remanifold.results.reconstruct import METHODS
+from remanifold.method.options import METHODS
 from samples import add_normal_noise, spacing
 
 ENOUGH = 0.9  # of the seeds, for --smallest

@@ -107,4 +107,25 @@ inline PaperReconstruction paper(const Samples& samples, int dim,
   return reconstruct_paper(samples, options, {num_threads, nullptr});
 }
 
+/// A sphere of radius one, displaced by noise, and far points after it.
+inline Cloud noisy_sphere(Offset n, double noise, Offset num_outliers) {
+  Cloud cloud = sphere(n, 2, 1);
+  std::mt19937_64 random(2);
+  std::normal_distribution<double> normal(1.0, noise);
+  for (Offset i = 0; i < n; ++i) {
+    const double radius = normal(random);
+    for (int axis = 0; axis < 3; ++axis) {
+      cloud.points[3 * i + axis] *= radius;
+    }
+  }
+  std::uniform_real_distribution<double> box(-2, 2);
+  while (cloud.size() < n + num_outliers) {
+    const double p[3] = {box(random), box(random), box(random)};
+    if (std::abs(std::hypot(p[0], p[1], p[2]) - 1) > 0.6) {
+      cloud.points.insert(cloud.points.end(), p, p + 3);
+    }
+  }
+  return cloud;
+}
+
 }  // namespace remanifold::testing

@@ -26,4 +26,5 @@
 #include "remanifold/tangent_space.hpp"
 #include "remanifold/topology.hpp"
 #include "remanifold/types.hpp"
+#include "remanifold/verify.hpp"
 #include "remanifold/vertex_insertion.hpp"

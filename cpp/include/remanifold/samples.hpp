@@ -77,6 +77,7 @@ class Samples {
   std::shared_ptr<double> points_;
   const Neighborhoods* neighborhoods_ = nullptr;  // known, or null
   MatrixView matrix_;
+  std::shared_ptr<std::vector<double>> even_;  // what matrix_ views where it is ours
   std::vector<Index> input_index_;
   std::vector<Index> representatives_;
 };

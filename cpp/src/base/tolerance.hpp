@@ -48,6 +48,13 @@ constexpr int kManySamples = 1 << 15;
 /// Slack of the security radius, for rounding and tie-breaking weights.
 constexpr double kSecuritySlack = 1e-6;
 
+/// Entries of a matrix of products or distances and their mirror images differ by at most
+/// this times the largest: rounding of single precision, of norms as large as that.
+constexpr double kAsymmetry = 1e-6;
+
+/// Beyond this the two are replaced by their mean; below, results do not see it.
+constexpr double kSmallAsymmetry = 1e-10;
+
 /// Two samples of a Gram matrix coincide when their squared distance is below this times
 /// the sum of their squared norms: it is rounding.
 constexpr double kGramCoincidence = 16 * 2.220446049250313e-16;

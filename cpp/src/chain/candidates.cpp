@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "chain/candidates.hpp"
 
+#include "base/csr.hpp"
 #include "base/parallel.hpp"
 #include "base/sort_unique.hpp"
 #include "complex/clique_expansion.hpp"
@@ -151,14 +152,12 @@ SimplexArray cliques_of(const std::vector<Index>& pairs, int dim, std::size_t ma
                               vertices.begin());
   };
   const SimplexArray edges = sorted_unique({2, pairs});
-  Csr directed;
-  directed.offsets.assign(vertices.size() + 1, 0);
-  for (Offset e = 0; e < edges.size(); ++e) {
-    ++directed.offsets[number(edges[e][0]) + 1];
-    directed.indices.push_back(number(edges[e][1]));
-  }
-  std::partial_sum(directed.offsets.begin(), directed.offsets.end(),
-                   directed.offsets.begin());
+  const Csr directed =
+      csr_of(static_cast<Offset>(vertices.size()), [&](const auto& add) {
+        for (Offset e = 0; e < edges.size(); ++e) {
+          add(number(edges[e][0]), number(edges[e][1]));
+        }
+      });
   const Csr graph = edge_graph(directed, EdgeRule::kEither, execution);
   const Offset n = graph.rows();
   std::vector<std::vector<Index>> blocks((n + kBlock - 1) / kBlock);

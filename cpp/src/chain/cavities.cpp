@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "remanifold/cavities.hpp"
 
+#include "base/csr.hpp"
 #include "base/disjoint_sets.hpp"
 #include "complex/simplex_rows.hpp"
 
@@ -16,18 +17,11 @@ constexpr double kFoldedBack = 0.94;
 
 /// Rows of small integers, each row ascending, from pairs (row, entry).
 Csr to_csr(Index rows, const std::vector<Index>& row_of) {
-  Csr csr;
-  csr.offsets.assign(static_cast<std::size_t>(rows) + 1, 0);
-  for (const Index row : row_of) {
-    ++csr.offsets[row + 1];
-  }
-  std::partial_sum(csr.offsets.begin(), csr.offsets.end(), csr.offsets.begin());
-  csr.indices.resize(row_of.size());
-  std::vector<Offset> next(csr.offsets.begin(), csr.offsets.end() - 1);
-  for (std::size_t entry = 0; entry < row_of.size(); ++entry) {
-    csr.indices[next[row_of[entry]]++] = static_cast<Index>(entry);
-  }
-  return csr;
+  return detail::csr_of(rows, [&](const auto& add) {
+    for (std::size_t entry = 0; entry < row_of.size(); ++entry) {
+      add(row_of[entry], static_cast<Index>(entry));
+    }
+  });
 }
 
 /// The facets inside, of fixed simplices and candidates together.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "remanifold/manifold_complex.hpp"
 
+#include "base/assertions.hpp"
 #include "base/parallel.hpp"
 #include "base/signed_sets.hpp"
 #include "base/sort_unique.hpp"
@@ -13,6 +14,7 @@
 #include "remanifold/simplex_measures.hpp"
 #include "remanifold/star_consensus.hpp"
 #include "remanifold/topology.hpp"
+#include "remanifold/verify.hpp"
 #include "remanifold/vertex_insertion.hpp"
 
 #include <algorithm>
@@ -485,9 +487,12 @@ ManifoldComplex build_manifold(const Samples& samples,
                                const ManifoldOptions& options,
                                const ProgramSolver& solver,
                                const Execution& execution) {
-  return ManifoldBuilder(samples, neighborhoods, tangents, regions, options, solver,
-                         execution)
-      .run();
+  ManifoldComplex complex = ManifoldBuilder(samples, neighborhoods, tangents, regions,
+                                            options, solver, execution)
+                                .run();
+  detail::assert_that(
+      [&] { verify_manifold_complex(complex, samples.size(), execution); });
+  return complex;
 }
 
 }  // namespace remanifold

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "remanifold/clique_complex.hpp"
 
+#include "base/csr.hpp"
 #include "base/parallel.hpp"
 #include "complex/clique_expansion.hpp"
 
@@ -38,21 +39,13 @@ void validate(const Csr& csr) {
 
 /// Row j of the result lists the rows of `csr` that contain j, ascending.
 Csr transpose(const Csr& csr) {
-  Csr result;
-  result.offsets.assign(csr.rows() + 1, 0);
-  for (const Index j : csr.indices) {
-    ++result.offsets[j + 1];
-  }
-  std::partial_sum(result.offsets.begin(), result.offsets.end(),
-                   result.offsets.begin());
-  result.indices.resize(csr.indices.size());
-  std::vector<Offset> next(result.offsets.begin(), result.offsets.end() - 1);
-  for (Offset i = 0; i < csr.rows(); ++i) {
-    for (const Index* j = csr.begin(i); j != csr.end(i); ++j) {
-      result.indices[next[*j]++] = static_cast<Index>(i);
+  return detail::csr_of(csr.rows(), [&](const auto& add) {
+    for (Offset i = 0; i < csr.rows(); ++i) {
+      for (const Index* j = csr.begin(i); j != csr.end(i); ++j) {
+        add(*j, static_cast<Index>(i));
+      }
     }
-  }
-  return result;
+  });
 }
 
 }  // namespace

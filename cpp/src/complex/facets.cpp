@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "remanifold/facets.hpp"
 
+#include "base/csr.hpp"
 #include "base/dispatch.hpp"
 #include "base/parallel.hpp"
 #include "base/signed_sets.hpp"
@@ -117,28 +118,22 @@ FacetGroups group_facets(const SimplexArray& simplices, Index num_vertices,
 }
 
 SimplexArray edges_of(const SimplexArray& simplices, Index num_vertices) {
-  // Buckets by the lower end.
-  std::vector<Offset> buckets(static_cast<std::size_t>(num_vertices) + 1, 0);
   const int arity = simplices.arity;
-  const auto for_each_edge = [&](const auto& body) {
+  // By the lower end.
+  Csr upper = detail::csr_of(num_vertices, [&](const auto& add) {
     for (Offset s = 0; s < simplices.size(); ++s) {
       for (int i = 0; i < arity; ++i) {
         for (int j = i + 1; j < arity; ++j) {
-          body(std::min(simplices[s][i], simplices[s][j]),
-               std::max(simplices[s][i], simplices[s][j]));
+          add(std::min(simplices[s][i], simplices[s][j]),
+              std::max(simplices[s][i], simplices[s][j]));
         }
       }
     }
-  };
-  for_each_edge([&](Index a, Index) { ++buckets[a + 1]; });
-  std::partial_sum(buckets.begin(), buckets.end(), buckets.begin());
-  std::vector<Index> upper(buckets.back());
-  std::vector<Offset> next(buckets.begin(), buckets.end() - 1);
-  for_each_edge([&](Index a, Index b) { upper[next[a]++] = b; });
+  });
   SimplexArray edges{2, {}};
   for (Index v = 0; v < num_vertices; ++v) {
-    const auto first = upper.begin() + buckets[v];
-    const auto last = upper.begin() + buckets[v + 1];
+    const auto first = upper.indices.begin() + upper.offsets[v];
+    const auto last = upper.indices.begin() + upper.offsets[v + 1];
     std::sort(first, last);
     const auto end = std::unique(first, last);
     for (auto w = first; w != end; ++w) {

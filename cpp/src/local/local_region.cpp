@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "remanifold/local_region.hpp"
 
+#include "base/assertions.hpp"
 #include "base/dispatch.hpp"
 #include "base/parallel.hpp"
 #include "base/tolerance.hpp"
 #include "local/region.hpp"
 #include "local/tangent_frames.hpp"
+#include "remanifold/verify.hpp"
 #include "samples/known_distances.hpp"
 
 #include <Eigen/Core>
@@ -587,6 +589,7 @@ LocalRegions compute_local_regions(const Samples& samples, const NeighborSearch&
     compute_all<decltype(k)::value>(samples, search, neighborhoods, tangents, execution,
                                     result);
   });
+  detail::assert_that([&] { verify_local_regions(result); });
   return result;
 }
 

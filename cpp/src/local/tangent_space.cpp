@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "remanifold/tangent_space.hpp"
 
+#include "base/assertions.hpp"
 #include "base/dispatch.hpp"
 #include "base/parallel.hpp"
 #include "base/tolerance.hpp"
 #include "local/enclosing_simplex.hpp"
 #include "local/frame_fit.hpp"
 #include "local/local_coordinates.hpp"
+#include "remanifold/verify.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -285,6 +287,7 @@ TangentSpaces compute_tangent_spaces(const Samples& samples,
     }
     run(k, std::integral_constant<int, Eigen::Dynamic>());
   });
+  detail::assert_that([&] { verify_tangent_spaces(samples, result); });
   return result;
 }
 

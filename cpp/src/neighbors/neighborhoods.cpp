@@ -2,9 +2,11 @@
 // The only file that knows FLANN.
 #include "remanifold/neighborhoods.hpp"
 
+#include "base/assertions.hpp"
 #include "base/parallel.hpp"
 #include "neighbors/neighbor_search.hpp"
 #include "neighbors/shared_candidates.hpp"
+#include "remanifold/verify.hpp"
 #include "samples/distance.hpp"
 
 #include <flann/flann.hpp>
@@ -342,8 +344,12 @@ Neighborhoods find_neighborhoods(const Samples& samples, const NeighborSearch& s
   Neighborhoods result;
   result.count = std::min<Index>(count, samples.size() - 1);
   detail::begin_step(execution, Step::kNeighborhoods, samples.size());
+  const auto verified = [&] {
+    detail::assert_that([&] { verify_neighborhoods(samples, result); });
+    return std::move(result);
+  };
   if (search.implementation().find_all(result.count, execution, result)) {
-    return result;
+    return verified();
   }
   result.indices.resize(static_cast<std::size_t>(samples.size()) * result.count);
 
@@ -373,7 +379,7 @@ Neighborhoods find_neighborhoods(const Samples& samples, const NeighborSearch& s
                          [](const Neighbor& neighbor) { return neighbor.index; });
         }
       });
-  return result;
+  return verified();
 }
 
 double measure_recall(const Samples& samples, const NeighborSearch& search, Index count,

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "remanifold/projection.hpp"
 
+#include "base/assertions.hpp"
 #include "base/parallel.hpp"
 #include "query/nearest_in_simplex.hpp"
 #include "query/simplex_tree.hpp"
+#include "remanifold/verify.hpp"
 #include "samples/distance.hpp"
 
 #include <algorithm>
@@ -277,7 +279,9 @@ SimplexSearch::~SimplexSearch() = default;
 
 Projections SimplexSearch::nearest(MatrixView queries,
                                    const Execution& execution) const {
-  return search_->nearest(queries, execution);
+  Projections result = search_->nearest(queries, execution);
+  detail::assert_that([&] { verify_projections(result, queries); });
+  return result;
 }
 
 }  // namespace remanifold

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "remanifold/sampling_quality.hpp"
 
+#include "base/csr.hpp"
 #include "base/dispatch.hpp"
 #include "base/parallel.hpp"
 #include "local/frame_fit.hpp"
@@ -46,31 +47,13 @@ using Small =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxDim, kMaxDim>;
 using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxDim, 1>;
 
-/// Rows of values that belong to vertices.
-struct Ragged {
-  std::vector<Offset> offsets;
-  std::vector<Offset> values;
-
-  const Offset* begin(Index v) const { return values.data() + offsets[v]; }
-  const Offset* end(Index v) const { return values.data() + offsets[v + 1]; }
-};
-
 /// The simplices at each vertex, in order.
-Ragged stars_of(const SimplexArray& simplices, Index num_vertices) {
-  Ragged result;
-  result.offsets.assign(static_cast<std::size_t>(num_vertices) + 1, 0);
-  for (const Index v : simplices.vertices) {
-    ++result.offsets[v + 1];
-  }
-  std::partial_sum(result.offsets.begin(), result.offsets.end(),
-                   result.offsets.begin());
-  result.values.resize(simplices.vertices.size());
-  std::vector<Offset> next(result.offsets.begin(), result.offsets.end() - 1);
-  for (std::size_t i = 0; i < simplices.vertices.size(); ++i) {
-    result.values[next[simplices.vertices[i]]++] =
-        static_cast<Offset>(i) / simplices.arity;
-  }
-  return result;
+detail::Ragged<Offset> stars_of(const SimplexArray& simplices, Index num_vertices) {
+  return detail::ragged_of<Offset>(num_vertices, [&](const auto& add) {
+    for (std::size_t i = 0; i < simplices.vertices.size(); ++i) {
+      add(simplices.vertices[i], static_cast<Offset>(i) / simplices.arity);
+    }
+  });
 }
 
 /// Input numbers to canonical ones, columns ascending.
@@ -194,29 +177,19 @@ class Quadric {
 struct Result {
   SimplexArray simplices;
   std::vector<FacetNumber> neighbors;
-  Ragged stars;
+  detail::Ragged<Offset> stars;
   Csr adjacent;
   std::vector<std::uint8_t> rim;
 };
 
 Csr adjacency_of(const SimplexArray& simplices, Index num_vertices) {
   const SimplexArray edges = edges_of(simplices, num_vertices);
-  Csr result;
-  result.offsets.assign(static_cast<std::size_t>(num_vertices) + 1, 0);
-  for (const Index v : edges.vertices) {
-    ++result.offsets[v + 1];
-  }
-  std::partial_sum(result.offsets.begin(), result.offsets.end(),
-                   result.offsets.begin());
-  result.indices.resize(edges.vertices.size());
-  std::vector<Offset> next(result.offsets.begin(), result.offsets.end() - 1);
-  for (Offset e = 0; e < edges.size(); ++e) {
-    const Index a = edges[e][0];
-    const Index b = edges[e][1];
-    result.indices[next[a]++] = b;
-    result.indices[next[b]++] = a;
-  }
-  return result;
+  return detail::csr_of(num_vertices, [&](const auto& add) {
+    for (Offset e = 0; e < edges.size(); ++e) {
+      add(edges[e][0], edges[e][1]);
+      add(edges[e][1], edges[e][0]);
+    }
+  });
 }
 
 std::vector<std::uint8_t> rim_of(const SimplexArray& simplices,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "remanifold/topology.hpp"
 
+#include "base/csr.hpp"
 #include "base/disjoint_sets.hpp"
 #include "base/parallel.hpp"
 #include "complex/simplex_rows.hpp"
@@ -64,20 +65,17 @@ void sort_by_face(std::vector<Instance>& instances) {
     std::sort(instances.begin(), instances.end());
     return;
   }
-  std::vector<Offset> begin(static_cast<std::size_t>(last) + 2, 0);
-  for (const Instance& instance : instances) {
-    ++begin[instance.face[0] + 1];
+  detail::Ragged<Instance> sorted =
+      detail::ragged_of<Instance>(Offset{last} + 1, [&](const auto& add) {
+        for (const Instance& instance : instances) {
+          add(instance.face[0], instance);
+        }
+      });
+  for (Offset v = 0; v < sorted.rows(); ++v) {
+    std::sort(sorted.values.begin() + sorted.offsets[v],
+              sorted.values.begin() + sorted.offsets[v + 1]);
   }
-  std::partial_sum(begin.begin(), begin.end(), begin.begin());
-  std::vector<Instance> sorted(instances.size());
-  std::vector<Offset> next(begin.begin(), begin.end() - 1);
-  for (const Instance& instance : instances) {
-    sorted[next[instance.face[0]]++] = instance;
-  }
-  for (std::size_t v = 0; v + 1 < begin.size(); ++v) {
-    std::sort(sorted.begin() + begin[v], sorted.begin() + begin[v + 1]);
-  }
-  instances.swap(sorted);
+  instances.swap(sorted.values);
 }
 
 /// \tparam Arity  at least that of the table; columns beyond that are padding

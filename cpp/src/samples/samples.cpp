@@ -9,9 +9,11 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <numeric>
 #include <stdexcept>
 #include <string>
@@ -296,13 +298,20 @@ Samples Samples::from_matrix(MatrixView matrix, Kind kind, const Execution& exec
     largest = is_gram ? std::max(largest, row[i])
                       : std::max(largest, *std::max_element(row, row + n));
   }
-  // Rounding of a product of two matrices is relative to the norms, not to the entry.
-  const double asymmetry = 1e-10 * largest;
+  // Rounding of a product of two matrices is relative to the norms, not to the entry; the
+  // matrix may have been computed in single precision.
+  const double asymmetry = detail::kAsymmetry * largest;
+  const double small = detail::kSmallAsymmetry * largest;
+  std::atomic<bool> uneven{false};
   detail::for_each_block(n, 64, execution, [&](Offset begin, Offset end) {
     for (Offset i = begin; i < end; ++i) {
       for (Offset j = 0; j < i; ++j) {
         const double ij = matrix.row(i)[j];
-        if (std::abs(ij - matrix.row(j)[i]) > asymmetry) {
+        const double difference = std::abs(ij - matrix.row(j)[i]);
+        if (difference > small) {
+          uneven = true;
+        }
+        if (difference > asymmetry) {
           throw std::invalid_argument(std::string(what) + " is not symmetric at [" +
                                       std::to_string(i) + ", " + std::to_string(j) +
                                       "]");
@@ -318,6 +327,17 @@ Samples Samples::from_matrix(MatrixView matrix, Kind kind, const Execution& exec
   Samples samples;
   samples.kind_ = kind;
   samples.matrix_ = matrix;
+  if (uneven) {
+    samples.even_ = std::make_shared<std::vector<double>>(n * n);
+    double* even = samples.even_->data();
+    for (Offset i = 0; i < n; ++i) {
+      execution.poll();
+      for (Offset j = 0; j < n; ++j) {
+        even[i * n + j] = (matrix.row(i)[j] + matrix.row(j)[i]) / 2;
+      }
+    }
+    samples.matrix_ = {even, n, n};
+  }
   // Like the extent of points, up to a factor.
   samples.scale_ = power_of_two_above(is_gram ? std::sqrt(largest) : largest / 2);
   samples.inverse_scale_ = 1.0 / samples.scale_;

@@ -109,14 +109,14 @@ class LocalRegions(NamedTuple):
         )
 
 
-def warn_of_recall(search: str, recall: float) -> None:
+def warn_of_recall(search: str, recall: float, stacklevel: int = 3) -> None:
     """Say how much an approximate search missed."""
     if search == "approximate" and recall < 1:
         warnings.warn(
             f"the approximate search found {recall:.2%} of the neighbors of a "
             "few samples: some regions are too large; raise checks, or search exactly",
             RecallWarning,
-            stacklevel=3,
+            stacklevel=stacklevel,
         )
 
 

@@ -164,7 +164,7 @@ def reconstruct_samples(
                 num_threads=threads,
                 progress=callback,
             )
-    warn_of_recall(result["search"], result["recall"])
+    warn_of_recall(result["search"], result["recall"], stacklevel=4)
     known = isinstance(samples, Points)
     smoothing = None
     if options.smooths:
@@ -256,6 +256,6 @@ def _finish_report(
         warnings.warn(
             f"the result lacks something: {', '.join(lacks)}; see repair.remaining()",
             ManifoldWarning,
-            stacklevel=3,
+            stacklevel=4,
         )
     return report

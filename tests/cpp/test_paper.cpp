@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "remanifold/reconstruct.hpp"
 #include "support.hpp"
 
 #include <gtest/gtest.h>

@@ -22,7 +22,7 @@ import remanifold as rm
 from remanifold import datasets
 from remanifold.datasets import SHAPES
 
-BENCHMARKS = Path(__file__).resolve().parents[2] / "benchmarks"
+BENCHMARKS = Path(__file__).resolve().parents[3] / "benchmarks"
 sys.path.insert(0, str(BENCHMARKS))
 
 import success_rates

@@ -17,7 +17,7 @@ from typer.testing import CliRunner
 import remanifold as rm
 from remanifold import cli, datasets
 
-BENCHMARKS = Path(__file__).resolve().parents[2] / "benchmarks"
+BENCHMARKS = Path(__file__).resolve().parents[3] / "benchmarks"
 sys.path.insert(0, str(BENCHMARKS))
 
 import dimensions

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "remanifold/samples.hpp"
 #include "support.hpp"
 
 #include <gtest/gtest.h>
@@ -138,6 +139,43 @@ TEST(Samples, RefusesBadInput) {
   } catch (const std::invalid_argument& error) {
     EXPECT_STREQ(error.what(), "points[1, 0] is not finite");
   }
+}
+
+TEST(Samples, WithoutSomeKeepTheirInputNumbers) {
+  const Cloud cloud{{5, 5, 1, 2, 5, 5, 7, 8, 0, 0}, 2};
+  const Samples samples = Samples::from_points(cloud.view());
+  const Index left_out = samples.canonical_indices()[2];
+  const Samples rest = samples.without({left_out});
+  EXPECT_EQ(rest.size(), 3);
+  EXPECT_EQ(rest.input_size(), 5);
+  const std::vector<Index> canonical = rest.canonical_indices();
+  EXPECT_EQ(canonical[0], -1);
+  EXPECT_EQ(canonical[2], -1);
+  for (const Index i : {1, 3, 4}) {
+    EXPECT_EQ(rest.input_index(canonical[i]), i);
+    EXPECT_EQ(rest.point(canonical[i])[0] * rest.scale(), cloud[i][0]);
+  }
+}
+
+TEST(Samples, MovedTogetherAreMerged) {
+  const Cloud cloud{{0, 0, 3, 1, 3, 1, 8, 0, 9, 5}, 2};
+  const Samples samples = Samples::from_points(cloud.view());
+  ASSERT_EQ(samples.size(), 4);
+  const std::vector<Index> before = samples.canonical_indices();
+  std::vector<double> points(8);
+  for (Index i = 0; i < 4; ++i) {
+    const Index input = samples.input_index(i);
+    // Sample 3 goes to where samples 1 and 2 are.
+    const double* to = cloud[input == 3 ? 1 : input];
+    points[2 * i] = to[0] / samples.scale();
+    points[2 * i + 1] = to[1] / samples.scale();
+  }
+  const Samples moved = samples.moved_to({points.data(), 4, 2});
+  EXPECT_EQ(moved.size(), 3);
+  EXPECT_EQ(moved.representatives(), (std::vector<Index>{0, 1, 1, 1, 4}));
+  const std::vector<Index> canonical = moved.canonical_indices();
+  EXPECT_EQ(moved.input_index(canonical[3]), 1);
+  EXPECT_EQ(moved.point(canonical[4])[1] * moved.scale(), 5);
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ import remanifold as rm
 from remanifold import datasets
 from remanifold.judging import quality
 
-BENCHMARKS = Path(__file__).resolve().parents[2] / "benchmarks"
+BENCHMARKS = Path(__file__).resolve().parents[3] / "benchmarks"
 PER_SAMPLE = (
     *("spacing", "curvature", "reach", "sampling_ratio", "tangent_confidence"),
     *("disputed", "boundary", "fold", "gap", "doubtful"),

@@ -18,7 +18,7 @@ import pytest
 
 import remanifold as rm
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 BENCHMARKS = ROOT / "benchmarks"
 sys.path.insert(0, str(BENCHMARKS))  # the processes of the judge import it as well
 

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "complexes.hpp"
+#include "remanifold/curve_repair.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace remanifold {
+namespace {
+
+using testing::Numbered;
+
+/// Samples on a circle, and edges between them to be repaired.
+struct Curve {
+  static testing::Cloud circle(Index n) {
+    testing::Cloud cloud{{}, 2};
+    for (Index i = 0; i < n; ++i) {
+      const double angle = 2 * std::acos(-1.0) * i / n;
+      cloud.points.push_back(std::cos(angle));
+      cloud.points.push_back(std::sin(angle));
+    }
+    return cloud;
+  }
+
+  explicit Curve(Index n) : given(circle(n)) {}
+
+  SimplexArray repaired(std::vector<Index> edges, double price) const {
+    const NeighborSearch search(given.samples);
+    const Neighborhoods near = find_neighborhoods(given.samples, search, 10);
+    SimplexArray result{2, std::move(edges)};
+    repair_curves(
+        given.samples, near, local_scales(given.samples, near, 1),
+        [=](const Index*) { return price; }, 10, result);
+    return result;
+  }
+
+  Numbered given;
+};
+
+std::vector<Index> path(Index begin, Index end) {
+  std::vector<Index> edges;
+  for (Index i = begin; i + 1 < end; ++i) {
+    edges.insert(edges.end(), {i, i + 1});
+  }
+  return edges;
+}
+
+/// Whether the edges are one closed curve through all samples.
+bool is_circle(const SimplexArray& edges, Index n) {
+  const Topology topology = compute_topology(edges, n);
+  return edges.size() == n && topology.closed && topology.components == 1;
+}
+
+TEST(CurveRepair, JoinsEndsWhereOpenOnesCostMore) {
+  const Curve curve(30);
+  EXPECT_TRUE(is_circle(curve.repaired(path(0, 30), 1e5), 30));
+  EXPECT_EQ(curve.repaired(path(0, 30), 0).size(), 29);
+}
+
+TEST(CurveRepair, MergesTinyLoops) {
+  const Curve curve(30);
+  std::vector<Index> edges = path(4, 30);
+  edges.insert(edges.end(), {4, 29});
+  edges.insert(edges.end(), {0, 1, 1, 2, 2, 3, 0, 3});
+  EXPECT_TRUE(is_circle(curve.repaired(edges, 1e5), 30));
+}
+
+}  // namespace
+}  // namespace remanifold
