@@ -2,7 +2,6 @@
 #include "remanifold/sampling_quality.hpp"
 
 #include "base/csr.hpp"
-#include "base/dispatch.hpp"
 #include "base/parallel.hpp"
 #include "local/frame_fit.hpp"
 #include "local/local_coordinates.hpp"
@@ -623,15 +622,14 @@ SamplingQuality measure_quality(const Samples& samples, const NeighborSearch& se
                                        }
                                      });
   };
-  detail::dispatch_dim(dim, [&](auto k) {
-    if constexpr (k == 1 || k == 2) {
-      if (samples.has_points() && samples.ambient_dim() == 3) {
-        run(k, std::integral_constant<int, 3>());
-        return;
-      }
-    }
-    run(k, std::integral_constant<int, Eigen::Dynamic>());
-  });
+  // Surfaces in space, which are most of what is judged, have code of their own; for the
+  // rest it would take longer to compile than it saves.
+  if (dim == 2 && samples.has_points() && samples.ambient_dim() == 3) {
+    run(std::integral_constant<int, 2>(), std::integral_constant<int, 3>());
+  } else {
+    run(std::integral_constant<int, Eigen::Dynamic>(),
+        std::integral_constant<int, Eigen::Dynamic>());
+  }
 
   const std::vector<Index> canonical = samples.canonical_indices();
   const double scale = samples.scale();

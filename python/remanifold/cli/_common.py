@@ -6,7 +6,7 @@ from __future__ import annotations
 import contextlib
 import json
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -54,6 +54,12 @@ def choice(
 def examples(*lines: str) -> str:
     """Give what the help of a command ends with; its lines stay as they are."""
     return "\n".join(["\b", "Examples:", *(f"  {line}" for line in lines)])
+
+
+def listed(suffixes: Iterable[str]) -> str:
+    """Formats for the help of a command: ".ply, .obj or .off"."""
+    *first, end = suffixes
+    return f"{', '.join(first)} or {end}"
 
 
 FORMATS = tuple(suffix[1:] for suffix in {**READERS, **WRITERS})

@@ -12,7 +12,8 @@ import typer
 
 from remanifold import _core
 from remanifold._base.validation import check_int, check_positive
-from remanifold.cli._common import choice
+from remanifold.cli._common import choice, listed
+from remanifold.formats.reading import READERS
 from remanifold.method.options import (
     EDGE_RULES,
     ESTIMATORS,
@@ -59,8 +60,7 @@ Source: TypeAlias = Annotated[
     Path,
     typer.Argument(
         metavar="INPUT",
-        help="Samples: .npy, .npz, .csv, .txt, .xyz, .ply, .obj, .off, .stl, "
-        ".vtk, .vtu, .las or .laz; - is standard input.",
+        help=f"Samples: {listed(READERS)}; - is standard input.",
     ),
 ]
 Dim: TypeAlias = Annotated[

@@ -16,6 +16,7 @@ from remanifold.cli._common import (
     OutputFormatOption,
     examples,
     failures,
+    listed,
     messages_console,
     refuse_same_file,
     say,
@@ -25,7 +26,12 @@ from remanifold.complex.topology import simplex_names
 from remanifold.formats._mesh import FileMesh, choose_simplices, without_degenerate
 from remanifold.formats._source import described, is_standard, suffix_of
 from remanifold.formats.reading import read_file
-from remanifold.formats.writing import FIELD_WRITERS, MESH_WRITERS, WRITERS
+from remanifold.formats.writing import (
+    FIELD_WRITERS,
+    MESH_WRITERS,
+    POINT_WRITERS,
+    WRITERS,
+)
 from remanifold.io import write_mesh, write_points
 
 EPILOG = examples(
@@ -49,9 +55,8 @@ def convert(
         Path,
         typer.Argument(
             metavar="OUTPUT",
-            help="File to write; - is standard output. Meshes: .ply, .obj, .off, .stl, "
-            ".vtk, .vtu, .glb, .gltf, .npz; points: all but .stl, .glb and .gltf, and "
-            ".npy, .csv, .txt, .xyz.",
+            help="File to write; - is standard output. Meshes: "
+            f"{listed(MESH_WRITERS)}; points: {listed(POINT_WRITERS)}.",
         ),
     ],
     points: Annotated[

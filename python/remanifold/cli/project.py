@@ -17,6 +17,7 @@ from remanifold.cli._common import (
     ThreadsOption,
     examples,
     failures,
+    listed,
     messages_console,
     print_report,
     refuse_same_file,
@@ -26,6 +27,7 @@ from remanifold.cli._common import (
 )
 from remanifold.complex.topology import simplex_names
 from remanifold.formats._source import is_standard, suffix_of
+from remanifold.formats.reading import WITH_SIMPLICES
 from remanifold.formats.writing import FIELD_WRITERS, POINT_WRITERS
 from remanifold.io import read_complex, read_points, write_points
 
@@ -41,7 +43,7 @@ def project(
         Path,
         typer.Argument(
             metavar="MESH",
-            help="Complex to project onto: .ply, .obj, .off, .stl, .vtk, .vtu, .npz.",
+            help=f"Complex to project onto: {listed(WITH_SIMPLICES)}.",
         ),
     ],
     source: Annotated[

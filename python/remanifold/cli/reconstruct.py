@@ -19,6 +19,7 @@ from remanifold.cli._common import (
     choice,
     examples,
     failures,
+    listed,
     messages_console,
     print_report,
     refuse_same_file,
@@ -46,7 +47,7 @@ from remanifold.cli._reconstructing import reconstruct_file
 from remanifold.cli.dimension import dim_report
 from remanifold.complex.topology import simplex_names
 from remanifold.formats._source import is_standard
-from remanifold.formats.writing import holds_fields
+from remanifold.formats.writing import MESH_WRITERS, holds_fields
 from remanifold.io import check_output, write_mesh
 
 EPILOG = examples(
@@ -66,9 +67,8 @@ def reconstruct(
         typer.Option(
             "--output",
             "-o",
-            help="Mesh to write: .ply, .obj, .off, .stl, .vtk, .vtu, .glb, .gltf, or "
-            ".npz for any dimension; - is standard output, and then the report goes to "
-            "standard error.",
+            help=f"Mesh to write: {listed(MESH_WRITERS)}, which holds any dimension; - is "
+            "standard output, and then the report goes to standard error.",
         ),
     ],
     method: Method = "manifold",

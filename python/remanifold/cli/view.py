@@ -9,10 +9,11 @@ from typing import Annotated
 import typer
 
 import remanifold as rm
-from remanifold.cli._common import choice, examples, failures, messages_console
+from remanifold.cli._common import choice, examples, failures, listed, messages_console
 from remanifold.drawing.draw_pyvista import has_display
 from remanifold.drawing.plotting import BACKENDS
 from remanifold.drawing.scene import STYLES
+from remanifold.formats.reading import WITH_SIMPLICES
 
 COLORS = ("component", "boundary", "quality")
 EPILOG = examples(
@@ -26,8 +27,7 @@ def view(
         Path,
         typer.Argument(
             metavar="FILE",
-            help="Mesh: .npz as written by reconstruct, or .ply, .obj, .off, .stl, "
-            ".vtk or .vtu.",
+            help=f"Mesh: {listed(WITH_SIMPLICES)}; .npz as written by reconstruct.",
         ),
     ],
     screenshot: Annotated[
