@@ -938,7 +938,7 @@ def test_examples_in_docstrings(name):
         *(
             "remanifold",
             "cleaning",
-            "datasets",
+            "shapes",
             "dimension",
             "embedding",
             "plotting",

@@ -152,8 +152,11 @@ def check_positive(value: Any, name: str) -> float:
     return number
 
 
-def check_smooth(smooth: Any, dim: int) -> tuple[bool, int, bool]:
-    """Whether to move samples, neighbors of a fit (0 for a choice), whether only noise."""
+def check_smooth(smooth: Any, dim: int | None = None) -> tuple[bool, int, bool]:
+    """Whether to move samples, neighbors of a fit (0 for a choice), whether only noise.
+
+    Whether the neighbors are enough is for later where the dimension is not known.
+    """
     if smooth is None or (isinstance(smooth, (bool, np.bool_)) and not smooth):
         return False, 0, False
     if isinstance(smooth, str) and smooth == "auto":
@@ -163,8 +166,8 @@ def check_smooth(smooth: Any, dim: int) -> tuple[bool, int, bool]:
     if isinstance(smooth, str):
         msg = f'smooth is {smooth!r}, expected "auto", True, False or a number'
         raise ValueError(msg)  # noqa: TRY004
-    neighbors = check_int(smooth, "smooth", minimum=dim + 1, hint=" neighbors")
-    return True, neighbors, False
+    least = -_LARGEST_INDEX if dim is None else dim + 1
+    return True, check_int(smooth, "smooth", least, hint=" neighbors"), False
 
 
 def check_outliers(outliers: Any) -> float:

@@ -160,7 +160,8 @@ def complaining(check: Callable[[], T]) -> T:
     except (TypeError, ValueError) as error:
         name, _, what = str(error).partition(" ")
         hint = f"'--{name.replace('_', '-')}'"
-        # As one writes it here: --method paper, not method="paper".
-        text = re.sub(r'(\w+)="(\w+)"', r"--\1 \2", what)
-        msg = f"{text}."
-        raise typer.BadParameter(msg, param_hint=hint) from None
+        text = str(error)
+        if what.startswith("is for"):
+            # As one writes it here: --method paper, not method="paper".
+            text = re.sub(r'(\w+)="(\w+)"', r"--\1 \2", what) + "."
+        raise typer.BadParameter(text, param_hint=hint) from None

@@ -11,13 +11,11 @@ from typing import NamedTuple
 from rich.console import Console
 
 import remanifold as rm
-from remanifold._base.validation import check_num_threads, check_samples
 from remanifold.cli._common import say, timed
 from remanifold.cli._options import complaining
 from remanifold.io import read_points
 from remanifold.method.dimension import LOW_CONFIDENCE, low_confidence
 from remanifold.method.options import Options
-from remanifold.results.reconstruct import reconstruct_samples
 
 
 class Done(NamedTuple):
@@ -68,12 +66,8 @@ def reconstruct_file(
     check_target(dim, points.shape[1])
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", rm.RemanifoldWarning)
-        rec = reconstruct_samples(
-            check_samples(points),
-            dim,
-            options,
-            check_num_threads(threads),
-            show_progress,
+        rec = rm.reconstruct(
+            points, dim, **vars(options), num_threads=threads, progress=show_progress
         )
     complaints = [str(warning.message) for warning in caught]
     if found is not None and found.confidence < LOW_CONFIDENCE:

@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -26,10 +26,14 @@ COORDINATES = 3  # that a verdict names
 
 
 class Reason(NamedTuple):
-    """A sign that the sampling does not determine the result, and the samples there."""
+    """A sign that the sampling does not determine the result, and the samples there.
+
+    Its kind is "sampling", or "singular" where the data is no manifold at all.
+    """
 
     text: str
     samples: NDArray[np.int64]
+    kind: Literal["sampling", "singular"] = "sampling"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -287,6 +291,7 @@ class _Sign(NamedTuple):
     text: str
     samples: NDArray[np.int64]
     growth: float = math.nan  # of the number of samples that would remove it
+    kind: Literal["sampling", "singular"] = "sampling"
 
 
 def assess(rec: ReconstructionData) -> Quality:
@@ -331,7 +336,7 @@ def assess(rec: ReconstructionData) -> Quality:
         signs = [*_singularities(rec, source), *signs]
     if not any(sign.strong for sign in signs) and len(signs) < 2:
         signs = []
-    reasons = tuple(Reason(sign.text, sign.samples) for sign in signs)
+    reasons = tuple(Reason(sign.text, sign.samples, sign.kind) for sign in signs)
     doubtful = np.zeros(rec.num_samples, dtype=bool)
     for reason in reasons:
         doubtful[reason.samples] = True
@@ -457,7 +462,7 @@ def _singularities(rec: ReconstructionData, samples: Input) -> Iterator[_Sign]:
     if found.places:
         numbers = np.flatnonzero(kept)
         marked = np.concatenate([place.samples for place in found.places])
-        yield _Sign(True, found.verdict, np.unique(numbers[marked]))
+        yield _Sign(True, found.verdict, np.unique(numbers[marked]), kind="singular")
 
 
 _NOWHERE = np.empty(0, dtype=np.int64)
@@ -741,7 +746,7 @@ def _verdict(
             f"sampling is dense enough: the spacing is at most {ratio:.2g} times the "
             f"reach at 95 % of {of}"
         )
-    if reasons[0].text.startswith("no "):
+    if reasons[0].kind == "singular":
         return reasons[0].text
     marked = np.unique(np.concatenate([reason.samples for reason in reasons]))
     parts = [reasons[0].text]

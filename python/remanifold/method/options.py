@@ -60,6 +60,12 @@ class Options:
     def __post_init__(self) -> None:
         """Raise ValueError or TypeError, in words that begin with the parameter's name."""
         check_choice(self.method, "method", METHODS)
+        if self.boundary is None or isinstance(self.boundary, (str, bool)):
+            self.boundary_rule(0)
+        for name, method in _ONLY.items():
+            if method != self.method and self._is_given(name):
+                msg = f'{name} is for method="{method}" only'
+                raise ValueError(msg)
         check_choice(self.search, "search", SEARCHES)
         check_choice(self.tangent_estimator, "estimator", ESTIMATORS)
         check_choice(self.edge_rule, "edges", EDGE_RULES)
@@ -67,11 +73,7 @@ class Options:
         if self.hole_radius is not None:
             check_positive(self.hole_radius, "hole_radius")
         check_outliers(self._outliers)
-        check_smooth(self.smooth, dim=1)
-        for name, method in _ONLY.items():
-            if method != self.method and self._is_given(name):
-                msg = f'{name} is for method="{method}" only'
-                raise ValueError(msg)
+        check_smooth(self.smooth)
 
     def _is_given(self, name: str) -> bool:
         value = getattr(self, name)
@@ -103,7 +105,7 @@ class Options:
     @property
     def smooths(self) -> bool:
         """Whether samples may be moved."""
-        return check_smooth(self.smooth, dim=1)[0]
+        return check_smooth(self.smooth)[0]
 
     def neighbors(self, dim: int) -> int:
         """Neighbors for the tangent spaces of a K-manifold."""

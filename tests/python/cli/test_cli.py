@@ -356,6 +356,7 @@ def test_options_reach_the_library(tori, tmp_path, monkeypatch):
         "estimator": None,
         "edges": None,
         "search": "auto",
+        "checks": 256,
         "num_threads": None,
         "progress": False,
     }
@@ -369,6 +370,7 @@ def test_options_reach_the_library(tori, tmp_path, monkeypatch):
         "estimator": "jet",
         "edges": "either",
         "search": "kdtree",
+        "checks": 256,
         "num_threads": 1,
         "progress": False,
     }

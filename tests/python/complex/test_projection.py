@@ -303,9 +303,10 @@ def test_bad_products_are_refused():
 
 
 def test_coinciding_samples_have_coordinates():
+    from remanifold._base.samples import Gram
     from remanifold._base.scaling import classical_scaling
 
-    assert (classical_scaling("gram", np.ones((4, 4))).coordinates == 0).all()
+    assert (classical_scaling(Gram(np.ones((4, 4)))).coordinates == 0).all()
 
 
 # --- Interpolation --------------------------------------------------------------

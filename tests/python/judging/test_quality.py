@@ -6,7 +6,6 @@ import math
 import pickle
 import subprocess
 import sys
-import types
 import warnings
 from functools import cache
 from pathlib import Path
@@ -17,6 +16,7 @@ from scipy.spatial.distance import cdist
 
 import remanifold as rm
 from remanifold import datasets
+from remanifold._base.samples import Distances, Gram, Points
 from remanifold.judging import quality
 
 BENCHMARKS = Path(__file__).resolve().parents[3] / "benchmarks"
@@ -180,7 +180,15 @@ def test_units_do_not_matter():
 def test_threads_do_not_matter():
     points, rec = datasets.torus(1500, random_state=0), of_shape("torus", 1500)
     found = [
-        rm._core.quality("points", points, rec.simplices, 0, "auto", 256, threads, None)
+        rm._core.quality(
+            Points(points),
+            rec.simplices,
+            num_neighbors=0,
+            search="auto",
+            checks=256,
+            num_threads=threads,
+            progress=None,
+        )
         for threads in (1, 2, 7)
     ]
     for other in found[1:]:
@@ -269,15 +277,12 @@ def test_an_edge_across_a_turn_of_a_spiral_is_seen():
 def test_distances_to_the_middle_of_an_edge():
     points = np.random.default_rng(0).normal(size=(9, 4))
     expected = ((points - (points[2] + points[5]) / 2) ** 2).sum(axis=1)
-    matrices = {
-        "points": points,
-        "gram": points @ points.T,
-        "distances": cdist(points, points),
-    }
-    for kind, matrix in matrices.items():
-        found = types.SimpleNamespace(kind=kind, matrix=matrix)
-        squared = quality._Findings.squared_distances_to_middle(found, 2, 5)
-        np.testing.assert_allclose(squared, expected)
+    for samples in (
+        Points(points),
+        Gram(points @ points.T),
+        Distances(cdist(points, points)),
+    ):
+        np.testing.assert_allclose(samples.squares_to_middle(2, 5), expected)
 
 
 def test_verdict_counts_places_and_recommends():
