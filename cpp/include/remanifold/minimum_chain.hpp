@@ -51,12 +51,9 @@ struct ChainFill {
 };
 
 /// \param fixed    the fixed simplices that the cavities' rims refer to, all of them
-/// \param patches  their orientation, or null; a search is not believed where its filling
-///                 contradicts it
 /// \param num_vertices  more than any vertex
 ChainFill fill_cavities(const Cavities& cavities, const SimplexArray& fixed,
-                        const OrientedPatches* patches, Index num_vertices,
-                        const ChainOptions& options, const ProgramSolver& solver,
-                        const Execution& execution = {});
+                        Index num_vertices, const ChainOptions& options,
+                        const ProgramSolver& solver, const Execution& execution = {});
 
 }  // namespace remanifold

@@ -265,10 +265,7 @@ class ManifoldBuilder {
         rim = numbers[rim / arity_] * arity_ + rim % arity_;
       }
     }
-    // The orientation of the patches is that of the first time.
-    const OrientedPatches* patches =
-        fixed_.size() == num_agreed_ && dim_ > 1 ? &patches_ : nullptr;
-    const ChainFill chain = fill_cavities(cavities, fixed_, patches, samples_.size(),
+    const ChainFill chain = fill_cavities(cavities, fixed_, samples_.size(),
                                           options_.chain, solver_, execution_);
     result_.report.cavities += chain.searched + chain.programs;
     result_.report.programs += chain.programs;

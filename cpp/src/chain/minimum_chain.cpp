@@ -2,9 +2,8 @@
 #include "remanifold/minimum_chain.hpp"
 
 #include "base/parallel.hpp"
-#include "base/signed_sets.hpp"
-#include "base/sort_unique.hpp"
 #include "chain/cavity_search.hpp"
+#include "chain/relative_signs.hpp"
 #include "chain/rim_orientation.hpp"
 
 #include <algorithm>
@@ -18,54 +17,36 @@ namespace {
 
 constexpr Offset kBlock = 16;
 constexpr double kIntegral = 1e-6;
-/// Groups of rims for which all relative signs are tried; of more, each is flipped once.
-constexpr Index kAllSigns = 4;
+/// Groups of rims and candidates up to which all relative signs of the groups are tried: no
+/// more than eight programs, each a matter of milliseconds.
+constexpr Index kFewGroups = 4;
+constexpr Offset kFewCandidates = 4000;
 
-/// The columns and rows of some cavities in one program over oriented simplices: for each
+/// The columns and rows of one cavity as a program over oriented simplices: for each
 /// candidate one column a sign, for each facet two for what is left open, a sign each.
 class OrientedProgram {
  public:
-  OrientedProgram(const Cavities& cavities, const std::vector<Index>& which)
-      : cavities_(cavities), arity_(cavities.candidates.arity) {
-    for (const Index cavity : which) {
-      candidates_.insert(candidates_.end(), cavities.candidates_in.begin(cavity),
-                         cavities.candidates_in.end(cavity));
-      facets_.insert(facets_.end(), cavities.facets_in.begin(cavity),
-                     cavities.facets_in.end(cavity));
-    }
-    build();
+  /// \param signs  of the fixed simplex at each facet of the cavity; 0 where there is none
+  OrientedProgram(const Cavities& cavities, Index cavity,
+                  const std::vector<std::int8_t>& signs)
+      : cavities_(cavities),
+        arity_(cavities.candidates.arity),
+        candidates_(cavities.candidates_in.begin(cavity)),
+        num_candidates_(cavities.candidates_in.size(cavity)),
+        facets_(cavities.facets_in.begin(cavity)),
+        num_facets_(cavities.facets_in.size(cavity)) {
+    add_columns();
+    add_boundaries();
+    add_rooms();
+    set_signs(signs);
   }
 
-  /// The sign of the fixed simplex at each facet; 0 where there is none.
   void set_signs(const std::vector<std::int8_t>& signs) {
-    for (std::size_t i = 0; i < facets_.size(); ++i) {
-      const FacetNumber rim = cavities_.rims[facets_[i]];
+    for (Offset f = 0; f < num_facets_; ++f) {
+      const FacetNumber rim = cavities_.rims[facets_[f]];
       const double inward =
-          rim == kOpen ? 0.0 : signs[i] * ((rim % arity_) % 2 == 0 ? 1.0 : -1.0);
-      program_.row_lower[i] = program_.row_upper[i] = -inward;
-    }
-  }
-
-  /// Candidates that the linear program leaves out, and that share no facet with one it
-  /// takes in part, stay out.
-  void make_integral(const std::vector<double>& shares) {
-    const std::size_t columns = candidates_.size();
-    program_.integral.assign(program_.costs.size(), 0);
-    std::fill_n(program_.integral.begin(), 2 * columns, 1);
-    std::vector<std::uint8_t> touched(cavities_.rims.size(), 0);
-    for (std::size_t c = 0; c < columns; ++c) {
-      if (std::abs(shares[c] - std::round(shares[c])) >= kIntegral) {
-        for (int i = 0; i < arity_; ++i) {
-          touched[cavities_.facets_without(candidates_[c])[i]] = 1;
-        }
-      }
-    }
-    for (std::size_t c = 0; c < columns; ++c) {
-      const Index* facets = cavities_.facets_without(candidates_[c]);
-      if (shares[c] < kIntegral &&
-          std::none_of(facets, facets + arity_, [&](Index f) { return touched[f]; })) {
-        program_.upper[c] = program_.upper[columns + c] = 0;
-      }
+          rim == kOpen ? 0.0 : signs[f] * ((rim % arity_) % 2 == 0 ? 1.0 : -1.0);
+      program_.row_lower[f] = program_.row_upper[f] = -inward;
     }
   }
 
@@ -79,88 +60,135 @@ class OrientedProgram {
     return sum;
   }
 
-  /// Share of a candidate in the solution.
-  double share(const std::vector<double>& x, std::size_t candidate) const {
-    return x[candidate] + x[candidates_.size() + candidate];
-  }
-  std::vector<double> shares(const std::vector<double>& x, std::size_t begin,
-                             std::size_t end) const {
-    std::vector<double> result;
-    for (std::size_t c = begin; c < end; ++c) {
-      result.push_back(share(x, c));
+  bool is_integral(const std::vector<double>& x) const {
+    for (Offset c = 0; c < num_candidates_; ++c) {
+      if (is_fraction(share(x, c))) {
+        return false;
+      }
     }
-    return result;
+    return true;
   }
-  const std::vector<Index>& candidates() const { return candidates_; }
+
+  /// From a solution of the linear program to the integer program: candidates that it
+  /// leaves out, and that share no facet with one it takes in part, stay out.
+  void make_integral(const std::vector<double>& x) {
+    program_.integral.assign(program_.costs.size(), 0);
+    std::fill_n(program_.integral.begin(), 2 * num_candidates_, 1);
+    std::vector<std::uint8_t> touched(num_facets_, 0);
+    for (Offset c = 0; c < num_candidates_; ++c) {
+      if (is_fraction(share(x, c))) {
+        for (int i = 0; i < arity_; ++i) {
+          touched[row_of(c, i)] = 1;
+        }
+      }
+    }
+    for (Offset c = 0; c < num_candidates_; ++c) {
+      bool near = share(x, c) >= kIntegral;
+      for (int i = 0; i < arity_; ++i) {
+        near = near || touched[row_of(c, i)] != 0;
+      }
+      if (!near) {
+        program_.upper[c] = program_.upper[num_candidates_ + c] = 0;
+      }
+    }
+  }
+
+  void append_chosen(const std::vector<double>& x, std::vector<Index>& chosen) const {
+    for (Offset c = 0; c < num_candidates_; ++c) {
+      if (share(x, c) > 0.5) {
+        chosen.push_back(candidates_[c]);
+      }
+    }
+  }
 
  private:
-  void build() {
-    const std::size_t columns = candidates_.size();
-    const std::size_t rows = facets_.size();
-    std::vector<Index> column_of(cavities_.energies.size(), -1);
-    for (std::size_t c = 0; c < columns; ++c) {
-      column_of[candidates_[c]] = static_cast<Index>(c);
-    }
+  static bool is_fraction(double share) {
+    return std::abs(share - std::round(share)) >= kIntegral;
+  }
+  double share(const std::vector<double>& x, Offset candidate) const {
+    return x[candidate] + x[num_candidates_ + candidate];
+  }
+  /// The facet of a candidate without its i-th vertex, among those of the cavity.
+  Offset row_of(Offset candidate, int i) const {
+    const Index facet = cavities_.facets_without(candidates_[candidate])[i];
+    return std::lower_bound(facets_, facets_ + num_facets_, facet) - facets_;
+  }
+
+  void add_columns() {
     LinearProgram& p = program_;
     for (int sign = 0; sign < 2; ++sign) {
-      for (const Index c : candidates_) {
-        p.costs.push_back(cavities_.energies[c]);
+      for (Offset c = 0; c < num_candidates_; ++c) {
+        p.costs.push_back(cavities_.energies[candidates_[c]]);
         const bool wrong = !cavities_.orientations.empty() &&
-                           (cavities_.orientations[c] > 0) != (sign == 0);
+                           (cavities_.orientations[candidates_[c]] > 0) != (sign == 0);
         p.upper.push_back(wrong ? 0 : 1);
       }
     }
     for (int sign = 0; sign < 2; ++sign) {
-      for (const Index f : facets_) {
-        p.costs.push_back(cavities_.prices[f]);
+      for (Offset f = 0; f < num_facets_; ++f) {
+        p.costs.push_back(cavities_.prices[facets_[f]]);
         p.upper.push_back(2);
       }
     }
-    const auto add = [&](std::size_t column, double value) {
-      p.columns.push_back(static_cast<Index>(column));
-      p.values.push_back(value);
-    };
-    const auto end_row = [&](double lower, double upper) {
-      p.row_lower.push_back(lower);
-      p.row_upper.push_back(upper);
-      p.offsets.push_back(static_cast<Offset>(p.columns.size()));
-    };
-    for (std::size_t r = 0; r < rows; ++r) {
-      const Index facet = facets_[r];
-      for (const Index* c = cavities_.candidates_on.begin(facet);
-           c != cavities_.candidates_on.end(facet); ++c) {
-        const double sign = position_of(facet, *c) % 2 == 0 ? 1 : -1;
-        add(column_of[*c], sign);
-        add(columns + column_of[*c], -sign);
-      }
-      add(2 * columns + r, -1);
-      add(2 * columns + rows + r, 1);
-      end_row(0, 0);
+  }
+
+  void add(Offset column, double value) {
+    program_.columns.push_back(static_cast<Index>(column));
+    program_.values.push_back(value);
+  }
+  void end_row(double lower, double upper) {
+    program_.row_lower.push_back(lower);
+    program_.row_upper.push_back(upper);
+    program_.offsets.push_back(static_cast<Offset>(program_.columns.size()));
+  }
+
+  /// \param body  called with the column and the position of the facet
+  template <class Body>
+  void for_each_on(Index facet, const Body& body) const {
+    for (const Index* c = cavities_.candidates_on.begin(facet);
+         c != cavities_.candidates_on.end(facet); ++c) {
+      const Index* facets = cavities_.facets_without(*c);
+      body(std::lower_bound(candidates_, candidates_ + num_candidates_, *c) -
+               candidates_,
+           std::find(facets, facets + arity_, facet) - facets);
     }
-    // No more than two simplices on a facet.
-    for (const Index facet : facets_) {
-      const int room = cavities_.rims[facet] == kOpen ? 2 : 1;
-      if (cavities_.candidates_on.size(facet) <= room) {
+  }
+
+  /// What is on both sides of a facet cancels, or is left open.
+  void add_boundaries() {
+    for (Offset f = 0; f < num_facets_; ++f) {
+      for_each_on(facets_[f], [&](Offset column, Offset position) {
+        const double sign = position % 2 == 0 ? 1 : -1;
+        add(column, sign);
+        add(num_candidates_ + column, -sign);
+      });
+      add(2 * num_candidates_ + f, -1);
+      add(2 * num_candidates_ + num_facets_ + f, 1);
+      end_row(0, 0);  // until signs are known
+    }
+  }
+
+  /// No more than two simplices on a facet.
+  void add_rooms() {
+    for (Offset f = 0; f < num_facets_; ++f) {
+      const int room = cavities_.rims[facets_[f]] == kOpen ? 2 : 1;
+      if (cavities_.candidates_on.size(facets_[f]) <= room) {
         continue;
       }
-      for (const Index* c = cavities_.candidates_on.begin(facet);
-           c != cavities_.candidates_on.end(facet); ++c) {
-        add(column_of[*c], 1);
-        add(columns + column_of[*c], 1);
-      }
+      for_each_on(facets_[f], [&](Offset column, Offset) {
+        add(column, 1);
+        add(num_candidates_ + column, 1);
+      });
       end_row(-std::numeric_limits<double>::infinity(), room);
     }
   }
 
-  int position_of(Index facet, Index candidate) const {
-    const Index* facets = cavities_.facets_without(candidate);
-    return static_cast<int>(std::find(facets, facets + arity_, facet) - facets);
-  }
-
   const Cavities& cavities_;
   int arity_;
-  std::vector<Index> candidates_;
-  std::vector<Index> facets_;
+  const Index* candidates_;
+  Offset num_candidates_;
+  const Index* facets_;
+  Offset num_facets_;
   LinearProgram program_;
 };
 
@@ -198,13 +226,11 @@ LinearProgram degree_program(const Cavities& cavities, Index cavity) {
 
 class ChainSolver {
  public:
-  ChainSolver(const Cavities& cavities, const SimplexArray& fixed,
-              const OrientedPatches* patches, Index num_vertices,
+  ChainSolver(const Cavities& cavities, const SimplexArray& fixed, Index num_vertices,
               const ChainOptions& options, const ProgramSolver& solver,
               const Execution& execution)
       : cavities_(cavities),
         fixed_(fixed),
-        patches_(patches),
         num_vertices_(num_vertices),
         options_(options),
         solver_(solver),
@@ -266,59 +292,6 @@ class ChainSolver {
     }
   }
 
-  /// Whether a filling continues the orientation of the patches around it.
-  bool is_oriented(Index cavity, const std::vector<Index>& chosen) const {
-    if (patches_ == nullptr || fixed_.arity == 2) {
-      return true;
-    }
-    const int arity = fixed_.arity;
-    std::vector<Index> patches;  // their nodes follow those of the chosen simplices
-    for (const Index* f = cavities_.facets_in.begin(cavity);
-         f != cavities_.facets_in.end(cavity); ++f) {
-      if (cavities_.rims[*f] != kOpen) {
-        patches.push_back(patches_->patch[cavities_.rims[*f] / arity]);
-      }
-    }
-    detail::sort_unique(patches);
-    const auto num_chosen = static_cast<Offset>(chosen.size());
-    detail::SignedSets sets(num_chosen + static_cast<Offset>(patches.size()));
-    for (const Index* f = cavities_.facets_in.begin(cavity);
-         f != cavities_.facets_in.end(cavity); ++f) {
-      // A node for each patch and for each chosen simplex, at most two on a facet.
-      Offset node = -1;
-      FacetNumber number = 0;
-      int sign = 1;
-      const FacetNumber rim = cavities_.rims[*f];
-      if (rim != kOpen) {
-        const Index patch = patches_->patch[rim / arity];
-        if (patches_->orientable[patch] == 0) {
-          continue;
-        }
-        node = num_chosen + (std::lower_bound(patches.begin(), patches.end(), patch) -
-                             patches.begin());
-        number = rim;
-        sign = patches_->sign[rim / arity];
-      }
-      for (Offset other = 0; other < num_chosen; ++other) {
-        const Index* facets = cavities_.facets_without(chosen[other]);
-        const auto position = std::find(facets, facets + arity, *f) - facets;
-        if (position == arity) {
-          continue;
-        }
-        if (node >= 0) {
-          const int flip = flips_across(number, position, arity) ? -1 : 1;
-          if (!sets.join(node, other, sign * flip)) {
-            return false;
-          }
-        }
-        node = other;
-        number = position;
-        sign = 1;
-      }
-    }
-    return true;
-  }
-
   void solve_degrees() {
     for (const Index cavity : large_) {
       execution_.poll();
@@ -341,158 +314,95 @@ class ChainSolver {
     if (cavities_.orientations.empty()) {
       orientation.emplace(fixed_, num_vertices_, execution_);
     }
-    std::vector<Index> together;
-    std::vector<std::int8_t> signs_together;
     for (const Index cavity : large_) {
       execution_.poll();
       if (!orientation) {
-        together.push_back(cavity);
-        for (const Index* f = cavities_.facets_in.begin(cavity);
-             f != cavities_.facets_in.end(cavity); ++f) {
-          signs_together.push_back(cavities_.rim_orientations[*f]);
-        }
+        solve(cavity, {own_signs(cavity)});
         continue;
       }
-      std::vector<FacetNumber> rims;
-      for (const Index* f = cavities_.facets_in.begin(cavity);
-           f != cavities_.facets_in.end(cavity); ++f) {
-        if (cavities_.rims[*f] != kOpen) {
-          rims.push_back(cavities_.rims[*f]);
-        }
-      }
-      const auto signs = orientation->orient(rims);
-      if (signs.num_groups <= 1) {
-        together.push_back(cavity);
-        spread(cavity, signs.sign, signs_together);
-      } else {
-        solve_groups(cavity, signs);
-      }
-    }
-    if (together.empty()) {
-      return;
-    }
-    OrientedProgram program(cavities_, together);
-    program.set_signs(signs_together);
-    fill_.programs += static_cast<Index>(together.size());
-    const std::vector<double> x = solver_(program.program());
-    if (x.empty()) {
-      fill_.unsolved += static_cast<Index>(together.size());
-      return;
-    }
-    std::size_t first = 0;
-    std::size_t first_sign = 0;
-    for (const Index cavity : together) {
-      const auto size = static_cast<std::size_t>(cavities_.candidates_in.size(cavity));
-      bool integral = true;
-      for (std::size_t c = first; c < first + size; ++c) {
-        const double share = program.share(x, c);
-        integral = integral && std::abs(share - std::round(share)) < kIntegral;
-      }
-      const auto num_facets = static_cast<Offset>(cavities_.facets_in.size(cavity));
-      if (integral) {
-        take(program, x, first, first + size);
-      } else {
-        const auto begin = signs_together.begin() + static_cast<Offset>(first_sign);
-        solve_integral(cavity, {begin, begin + num_facets},
-                       program.shares(x, first, first + size));
-      }
-      first += size;
-      first_sign += num_facets;
+      const auto rims = orientation->orient(rims_of(cavity));
+      const std::vector<std::int8_t> likely =
+          detail::relative_signs(cavities_, cavity, rims);
+      const bool few = rims.num_groups <= kFewGroups &&
+                       cavities_.candidates_in.size(cavity) <= kFewCandidates;
+      solve(cavity, few ? all_signs(cavity, likely, rims)
+                        : std::vector<std::vector<std::int8_t>>{likely});
     }
   }
 
-  /// From the rims of a cavity to its facets.
-  void spread(Index cavity, const std::vector<std::int8_t>& rim_signs,
-              std::vector<std::int8_t>& out) const {
-    std::size_t rim = 0;
+  /// K = D: what is positive is known.
+  std::vector<std::int8_t> own_signs(Index cavity) const {
+    std::vector<std::int8_t> signs;
     for (const Index* f = cavities_.facets_in.begin(cavity);
          f != cavities_.facets_in.end(cavity); ++f) {
-      out.push_back(cavities_.rims[*f] == kOpen ? std::int8_t{0} : rim_signs[rim++]);
+      signs.push_back(cavities_.rim_orientations[*f]);
     }
+    return signs;
   }
 
-  /// Several groups of rims, of unknown orientation to each other: the choice of least
-  /// energy.
-  void solve_groups(Index cavity, const detail::RimOrientation::Signs& rims) {
-    OrientedProgram program(cavities_, {cavity});
+  std::vector<FacetNumber> rims_of(Index cavity) const {
+    std::vector<FacetNumber> rims;
+    for (const Index* f = cavities_.facets_in.begin(cavity);
+         f != cavities_.facets_in.end(cavity); ++f) {
+      if (cavities_.rims[*f] != kOpen) {
+        rims.push_back(cavities_.rims[*f]);
+      }
+    }
+    return rims;
+  }
+
+  /// The likely signs, and those that differ by turning some of the groups around.
+  std::vector<std::vector<std::int8_t>> all_signs(
+      Index cavity, const std::vector<std::int8_t>& likely,
+      const detail::RimOrientation::Signs& rims) const {
+    std::vector<std::vector<std::int8_t>> all;
+    for (int turned = 0; turned < 1 << (std::max<Index>(rims.num_groups, 1) - 1);
+         ++turned) {
+      all.push_back(likely);
+      std::size_t rim = 0;
+      for (std::size_t f = 0; f < likely.size(); ++f) {
+        if (cavities_.rims[cavities_.facets_in.begin(cavity)[f]] == kOpen) {
+          continue;
+        }
+        const Index group = rims.group[rim++];
+        if (group > 0 && (turned >> (group - 1) & 1) != 0) {
+          all.back()[f] = static_cast<std::int8_t>(-likely[f]);
+        }
+      }
+    }
+    return all;
+  }
+
+  /// The linear program of least energy, and the integer one where it takes a candidate in
+  /// part.
+  void solve(Index cavity, const std::vector<std::vector<std::int8_t>>& choices) {
+    OrientedProgram program(cavities_, cavity, choices.front());
     ++fill_.programs;
-    std::vector<std::int8_t> flip(rims.num_groups, 1);
-    const auto attempt = [&](std::vector<double>& x, std::vector<std::int8_t>& signs) {
-      std::vector<std::int8_t> rim_signs = rims.sign;
-      for (std::size_t i = 0; i < rim_signs.size(); ++i) {
-        rim_signs[i] = static_cast<std::int8_t>(rim_signs[i] * flip[rims.group[i]]);
-      }
-      signs.clear();
-      spread(cavity, rim_signs, signs);
-      program.set_signs(signs);
-      x = solver_(program.program());
-      return x.empty() ? std::numeric_limits<double>::infinity() : program.energy(x);
-    };
-    std::vector<double> x, best_x;
-    std::vector<std::int8_t> signs, best_signs;
-    double best = attempt(best_x, best_signs);
-    const auto keep_if_better = [&] {
+    std::vector<double> best;
+    double least = std::numeric_limits<double>::infinity();
+    std::size_t chosen = 0;
+    for (std::size_t i = 0; i < choices.size(); ++i) {
       execution_.poll();
-      const double energy = attempt(x, signs);
-      if (energy < best) {
-        best = energy;
-        best_x.swap(x);
-        best_signs.swap(signs);
-        return true;
-      }
-      return false;
-    };
-    if (rims.num_groups <= kAllSigns) {
-      for (int bits = 1; bits < 1 << (rims.num_groups - 1); ++bits) {
-        for (Index g = 1; g < rims.num_groups; ++g) {
-          flip[g] = (bits >> (g - 1) & 1) != 0 ? std::int8_t{-1} : std::int8_t{1};
-        }
-        keep_if_better();
-      }
-    } else {
-      for (Index g = 1; g < rims.num_groups; ++g) {
-        flip[g] = static_cast<std::int8_t>(-flip[g]);
-        if (!keep_if_better()) {
-          flip[g] = static_cast<std::int8_t>(-flip[g]);
-        }
+      program.set_signs(choices[i]);
+      std::vector<double> x = solver_(program.program());
+      const double energy = x.empty() ? least : program.energy(x);
+      if (energy < least) {
+        least = energy;
+        best.swap(x);
+        chosen = i;
       }
     }
-    if (best_x.empty()) {
+    if (!best.empty() && !program.is_integral(best)) {
+      program.set_signs(choices[chosen]);
+      program.make_integral(best);
+      ++fill_.integer_programs;
+      best = solver_(program.program());
+    }
+    if (best.empty()) {
       ++fill_.unsolved;
       return;
     }
-    for (std::size_t c = 0; c < program.candidates().size(); ++c) {
-      const double share = program.share(best_x, c);
-      if (std::abs(share - std::round(share)) >= kIntegral) {
-        solve_integral(cavity, best_signs,
-                       program.shares(best_x, 0, program.candidates().size()));
-        return;
-      }
-    }
-    take(program, best_x, 0, program.candidates().size());
-  }
-
-  void solve_integral(Index cavity, const std::vector<std::int8_t>& signs,
-                      const std::vector<double>& shares) {
-    OrientedProgram program(cavities_, {cavity});
-    program.set_signs(signs);
-    program.make_integral(shares);
-    ++fill_.integer_programs;
-    const std::vector<double> x = solver_(program.program());
-    if (x.empty()) {
-      ++fill_.unsolved;
-      return;
-    }
-    take(program, x, 0, program.candidates().size());
-  }
-
-  void take(const OrientedProgram& program, const std::vector<double>& x,
-            std::size_t begin, std::size_t end) {
-    for (std::size_t c = begin; c < end; ++c) {
-      if (program.share(x, c) > 0.5) {
-        fill_.chosen.push_back(program.candidates()[c]);
-      }
-    }
+    program.append_chosen(best, fill_.chosen);
   }
 
   void mark_open() {
@@ -516,7 +426,6 @@ class ChainSolver {
 
   const Cavities& cavities_;
   const SimplexArray& fixed_;
-  const OrientedPatches* patches_;
   Index num_vertices_;
   const ChainOptions& options_;
   const ProgramSolver& solver_;
@@ -528,11 +437,9 @@ class ChainSolver {
 }  // namespace
 
 ChainFill fill_cavities(const Cavities& cavities, const SimplexArray& fixed,
-                        const OrientedPatches* patches, Index num_vertices,
-                        const ChainOptions& options, const ProgramSolver& solver,
-                        const Execution& execution) {
-  return ChainSolver(cavities, fixed, patches, num_vertices, options, solver, execution)
-      .run();
+                        Index num_vertices, const ChainOptions& options,
+                        const ProgramSolver& solver, const Execution& execution) {
+  return ChainSolver(cavities, fixed, num_vertices, options, solver, execution).run();
 }
 
 }  // namespace remanifold

@@ -24,7 +24,7 @@ std::vector<Index> cheapest_pair(const Cavities& cavities) {
 TEST(MinimumChain, SearchTakesTheCheaperDiagonal) {
   SquareHole hole;
   const Cavities cavities = hole.find(1000);
-  const ChainFill fill = fill_cavities(cavities, hole.fixed, nullptr, 8, {}, {});
+  const ChainFill fill = fill_cavities(cavities, hole.fixed, 8, {}, {});
   EXPECT_EQ(fill.chosen, cheapest_pair(cavities));
   EXPECT_EQ(fill.chosen, (std::vector<Index>{0, 2}));  // the shorter one
   EXPECT_EQ(fill.open, (std::vector<std::uint8_t>{0}));
@@ -35,7 +35,7 @@ TEST(MinimumChain, SearchTakesTheCheaperDiagonal) {
 TEST(MinimumChain, HoleStaysWhereThatIsCheaper) {
   SquareHole hole;
   const Cavities cavities = hole.find(0.01);
-  const ChainFill fill = fill_cavities(cavities, hole.fixed, nullptr, 8, {}, {});
+  const ChainFill fill = fill_cavities(cavities, hole.fixed, 8, {}, {});
   EXPECT_TRUE(fill.chosen.empty());
   EXPECT_EQ(fill.open, (std::vector<std::uint8_t>{1}));
 }
@@ -44,8 +44,7 @@ TEST(MinimumChain, SearchWithoutEndCountsAsUnsolved) {
   SquareHole hole;
   ChainOptions options;
   options.search_steps = 1;
-  const ChainFill fill =
-      fill_cavities(hole.find(1000), hole.fixed, nullptr, 8, options, {});
+  const ChainFill fill = fill_cavities(hole.find(1000), hole.fixed, 8, options, {});
   EXPECT_EQ(fill.searched, 0);
   EXPECT_EQ(fill.unsolved, 1);
   EXPECT_EQ(fill.open, (std::vector<std::uint8_t>{1}));
@@ -106,9 +105,8 @@ TEST(MinimumChain, ProgramAndSearchAgree) {
   };
   for (const double price : {1000.0, 0.01}) {
     const Cavities cavities = hole.find(price);
-    const ChainFill searched = fill_cavities(cavities, hole.fixed, nullptr, 8, {}, {});
-    const ChainFill solved =
-        fill_cavities(cavities, hole.fixed, nullptr, 8, options, solver);
+    const ChainFill searched = fill_cavities(cavities, hole.fixed, 8, {}, {});
+    const ChainFill solved = fill_cavities(cavities, hole.fixed, 8, options, solver);
     EXPECT_EQ(solved.chosen, searched.chosen);
     EXPECT_EQ(solved.open, searched.open);
     EXPECT_EQ(solved.searched, 0);
@@ -124,7 +122,7 @@ TEST(MinimumChain, ProgramWithoutSolutionCountsAsUnsolved) {
   ChainOptions options;
   options.search_candidates = 0;
   const ChainFill fill =
-      fill_cavities(hole.find(1000), hole.fixed, nullptr, 8, options,
+      fill_cavities(hole.find(1000), hole.fixed, 8, options,
                     [](const LinearProgram&) { return std::vector<double>(); });
   EXPECT_TRUE(fill.chosen.empty());
   EXPECT_EQ(fill.unsolved, 1);
