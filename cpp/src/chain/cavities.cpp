@@ -14,6 +14,8 @@ namespace {
 /// Cosine of the angle at a facet above which a candidate lies back on the fixed simplex
 /// there: less than 20 degrees. Without this, small patches are closed by a second sheet.
 constexpr double kFoldedBack = 0.94;
+/// Sums of energies and prices are equal up to this.
+constexpr double kRounding = 1e-9;
 
 /// Rows of small integers, each row ascending, from pairs (row, entry).
 Csr to_csr(Index rows, const std::vector<Index>& row_of) {
@@ -48,6 +50,42 @@ FacetTable make_table(const SimplexArray& all, Offset num_fixed,
     }
   }
   return table;
+}
+
+/// What each group of facets costs where it is left open; of those inside.
+std::vector<double> prices_of(const SimplexArray& all, const FacetTable& table,
+                              const FacetPrice& price) {
+  std::vector<double> prices(table.groups.size(), 0.0);
+  std::vector<Index> vertices(all.arity - 1);
+  for (Offset g = 0; g < table.groups.size(); ++g) {
+    if (table.counted[g] != 0) {
+      copy_facet(all, table.groups.facets[table.groups.offsets[g]], vertices.data());
+      prices[g] = price(vertices.data());
+    }
+  }
+  return prices;
+}
+
+/// A candidate of more energy than leaving all its facets open costs is in no chain of
+/// least energy: without it the chain costs less, whatever else is on these facets.
+void block_hopeless(const FacetTable& table, Offset num_fixed, int arity,
+                    const std::vector<double>& prices,
+                    const std::vector<double>& energies,
+                    std::vector<std::uint8_t>& blocked) {
+  std::vector<double> worth(energies.size(), 0.0);
+  for (Offset g = 0; g < table.groups.size(); ++g) {
+    for (Offset i = table.groups.offsets[g]; i < table.groups.offsets[g + 1]; ++i) {
+      const Offset candidate = table.groups.facets[i] / arity - num_fixed;
+      if (candidate >= 0) {
+        worth[candidate] += prices[g];
+      }
+    }
+  }
+  for (std::size_t c = 0; c < blocked.size(); ++c) {
+    if (energies[c] > (1 + kRounding) * worth[c]) {
+      blocked[c] = 1;
+    }
+  }
 }
 
 }  // namespace
@@ -89,6 +127,14 @@ Cavities find_cavities(const SimplexArray& fixed,
       }
     }
   }
+  const std::vector<double> prices = prices_of(all, table, price);
+  std::vector<double> energies(blocked.size());
+  for (std::size_t c = 0; c < energies.size(); ++c) {
+    energies[c] = ruler.energy(result.candidates[static_cast<Offset>(c)], arity);
+  }
+  if (arity > 2) {
+    block_hopeless(table, num_fixed, arity, prices, energies, blocked);
+  }
   detail::erase_rows(result.candidates, blocked);
   const auto num_candidates = static_cast<Index>(result.candidates.size());
   std::vector<Index> number_of(blocked.size());  // of the candidates that are left
@@ -123,7 +169,7 @@ Cavities find_cavities(const SimplexArray& fixed,
     const auto number = static_cast<Index>(result.prices.size());
     copy_facet(all, facets.front(), vertices.data());
     detail::append_row(result.facets, vertices.data());
-    result.prices.push_back(price(vertices.data()));
+    result.prices.push_back(prices[g]);
     result.rims.push_back(rim);
     if (ruler.fills_space(arity)) {
       result.rim_orientations.push_back(static_cast<std::int8_t>(
@@ -138,9 +184,12 @@ Cavities find_cavities(const SimplexArray& fixed,
     }
   }
 
-  result.energies.resize(num_candidates);
+  for (std::size_t c = 0; c < blocked.size(); ++c) {
+    if (blocked[c] == 0) {
+      result.energies.push_back(energies[c]);
+    }
+  }
   for (Index c = 0; c < num_candidates; ++c) {
-    result.energies[c] = ruler.energy(result.candidates[c], arity);
     if (ruler.fills_space(arity)) {
       result.orientations.push_back(
           static_cast<std::int8_t>(ruler.orientation(result.candidates[c], arity)));

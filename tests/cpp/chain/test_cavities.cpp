@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <vector>
 
 namespace remanifold {
@@ -54,6 +55,19 @@ TEST(Cavities, ApartWhereNoFacetIsShared) {
   EXPECT_EQ(cavities.candidates_in.size(0), 2);
   EXPECT_EQ(cavities.candidates_in.size(1), 1);
   EXPECT_EQ(cavities.facets_in.size(0), 5);
+}
+
+TEST(Cavities, WhatCostsMoreThanItsFacetsIsNoCandidate) {
+  SquareHole hole;
+  const std::vector<double> energies = hole.find(1000).energies;
+  const double most = *std::max_element(energies.begin(), energies.end());
+  // Three facets of price one each: the candidate of most energy is just worth it.
+  EXPECT_EQ(hole.find(most / 3 * 1.001).candidates.size(), 4);
+  const Cavities fewer = hole.find(most / 3 * 0.999);
+  EXPECT_EQ(fewer.candidates.size(), 3);
+  const Cavities none = hole.find(0.01);
+  EXPECT_EQ(none.count(), 0);
+  EXPECT_EQ(none.dead_ends.size(), 4U);
 }
 
 }  // namespace
