@@ -47,6 +47,26 @@ SUSPICIOUS = 0.2  # spread off the plane of a wide neighborhood that is worth a 
 UNFIT = 0.12  # the same after a quadratic fit
 INNER = 2.0  # spacings; nearer samples do not tell in which direction they lie
 EXPLAINED = 0.85  # share of near samples that the branches of a crossing hold
+# The tip of a cone: near it, so much of what has planes has one that passes, and at least
+# so many samples do, of which the largest set of like planes has no more than this share.
+# Looked for within all of the reach and within part of it.
+TIP_PASSING, TIP_FEWEST, TIP_ALIKE = 0.7, 20, 0.6
+TIP_REACHES = (1.0, 0.6)
+# Cosine to a probing direction of what lies that way, and how many must, on a line and
+# beyond.
+TOWARDS = 0.65
+HITS_ON_A_LINE, HITS = 3, 2
+DIAGONALS = 6  # coordinates whose diagonals are probed
+MOST_BRANCHES = 6
+ASKEW = 0.36  # squared mean over mean square of places along a face, at its end one
+CLAIMED = 1.6  # of NARROW: directions this near a branch are its own
+# Of a cone: directions and planes that follow each other on it, the fewest of a piece, how
+# round the piece is, and how far from the center it stands, where it is no plane.
+CONE_STEP, CONE_APART = np.radians(30.0), 0.25
+CONE_FEWEST, CONE_ROUND, CONE_OFFSET = 8, 0.5, 0.3
+# Of the numbers of branches seen by the samples of a place: branches are rather missed
+# than seen twice.
+SEEN = 0.8
 NUM_HYPOTHESES = 24
 NUM_DIRECTIONS = 32
 BLOCK = 2_000_000  # numbers in the largest array of a block
@@ -542,11 +562,14 @@ def _count(
     total = passing.sum(axis=1)
 
     if dim > 1:
-        for share in (1.0, 0.6):
+        for share in TIP_REACHES:
             inside = distances <= share * scales.reach * spacing
             held, all_held = passing & inside, counts & inside
-            tip = held.sum(axis=1) >= np.maximum(0.7 * all_held.sum(axis=1), 20)
-            tip &= (alike[each, first] & held).sum(axis=1) <= 0.6 * held.sum(axis=1)
+            tip = held.sum(axis=1) >= np.maximum(
+                TIP_PASSING * all_held.sum(axis=1), TIP_FEWEST
+            )
+            most_alike = (alike[each, first] & held).sum(axis=1)
+            tip &= most_alike <= TIP_ALIKE * held.sum(axis=1)
             for i in np.flatnonzero(tip & (result[keep] < 0)):
                 if _is_cone(bases[i, held[i]], along[i, held[i]]):
                     result[keep[i]] = 0
@@ -619,13 +642,14 @@ def _surround(vectors: Floats, members: Bools) -> Bools:
     dim = vectors.shape[2]
     probes = np.concatenate([np.eye(dim), -np.eye(dim)])
     if dim > 1:
-        signs = np.indices((2,) * min(dim, 6)).reshape(min(dim, 6), -1).T * 2.0 - 1.0
+        axes = min(dim, DIAGONALS)
+        signs = np.indices((2,) * axes).reshape(axes, -1).T * 2.0 - 1.0
         diagonals = np.pad(signs, ((0, 0), (0, dim - signs.shape[1])))
         probes = np.concatenate([probes, diagonals / np.sqrt(signs.shape[1])])
     lengths = np.linalg.norm(vectors, axis=2, keepdims=True)
     cosines = (vectors / _positive(lengths)) @ probes.T
-    hits = ((cosines >= 0.65) & members[:, :, None]).sum(axis=1)
-    return np.asarray((hits >= (3 if dim == 1 else 2)).all(axis=1))
+    hits = ((cosines >= TOWARDS) & members[:, :, None]).sum(axis=1)
+    return np.asarray((hits >= (HITS_ON_A_LINE if dim == 1 else HITS)).all(axis=1))
 
 
 def _half_sheets(
@@ -658,7 +682,7 @@ def _half_sheets(
     cosines = directions @ ways.transpose(0, 2, 1)
     count = np.zeros(len(face), dtype=np.int64)
     explained = np.zeros(left.shape, dtype=np.bool_)
-    for _ in range(6):
+    for _ in range(MOST_BRANCHES):
         close = (cosines >= np.cos(NARROW)) & left[:, None]
         support = close.sum(axis=2) * np.take_along_axis(left, chosen, axis=1)
         best = support.argmax(axis=1)
@@ -671,7 +695,7 @@ def _half_sheets(
         # The sample is not at an end of the face.
         mean = np.einsum("nm,nmk->nk", weights, on_face)
         square = np.einsum("nm,nmk->nk", weights, on_face**2)
-        good &= (mean**2 <= 0.36 * square).all(axis=1)
+        good &= (mean**2 <= ASKEW * square).all(axis=1)
         # The branch has samples from here on.
         way = np.einsum("nm,nmd->nd", weights, ways)
         way /= _positive(np.linalg.norm(way, axis=1, keepdims=True))
@@ -683,7 +707,7 @@ def _half_sheets(
             good &= (on_branch & there).any(axis=1)
         count += good
         explained |= on_branch & (ahead >= 0.0) & good[:, None]
-        left &= cosines[each, best] < np.cos(1.6 * NARROW)
+        left &= cosines[each, best] < np.cos(CLAIMED * NARROW)
     for radius in scales.steps[1:]:
         inside = distances <= radius * spacing
         needed = EXPLAINED * inside.sum(axis=1)
@@ -696,18 +720,18 @@ def _is_cone(bases: Floats, along: Floats) -> bool:
     vectors = np.einsum("mk,mkd->md", along, bases)
     vectors /= _positive(np.linalg.norm(vectors, axis=1, keepdims=True))
     apart = _disagreement(bases[None], bases[None])[0]
-    joined = (vectors @ vectors.T >= np.cos(np.radians(30.0))) & (apart <= 0.25)
+    joined = (vectors @ vectors.T >= np.cos(CONE_STEP)) & (apart <= CONE_APART)
     closed = 0
     dim = bases.shape[1]
     for members in _connected(np.argwhere(joined), len(vectors)):
         piece = vectors[members]
-        if len(piece) < 8:
+        if len(piece) < CONE_FEWEST:
             continue
         mean = piece.mean(axis=0)
         values, directions = np.linalg.eigh((piece - mean).T @ (piece - mean))
-        if values[-dim] < 0.5 * values[-1]:
+        if values[-dim] < CONE_ROUND * values[-1]:
             continue
-        if np.linalg.norm(mean) >= 0.3:  # a cone; else a plane
+        if np.linalg.norm(mean) >= CONE_OFFSET:  # a cone; else a plane
             piece = piece - mean
         inside = (piece @ directions[:, -dim:])[None]
         closed += bool(_surround(inside, np.ones((1, len(piece)), dtype=np.bool_))[0])
@@ -748,11 +772,10 @@ def _places(
     for members in _groups((branches >= 0) & (kind == REGULAR), close):
         if len(members) >= min(FEWEST_CROSSING, dim):
             kind[members] = CROSSING
-            # Branches are rather missed than seen twice, and planes alone say nothing
-            # of branches.
+            # Planes alone say nothing of branches.
             seen = branches[members]
             seen = seen[seen > 0] if (seen > 0).any() else seen
-            number = int(np.quantile(seen, 0.8, method="nearest"))
+            number = int(np.quantile(seen, SEEN, method="nearest"))
             found.append(Place(KINDS[CROSSING], members, None, dim, number))
     return sorted(found, key=lambda place: int(place.samples[0]))
 
