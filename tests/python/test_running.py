@@ -18,6 +18,8 @@ from scipy.spatial.distance import cdist
 import remanifold as rm
 from remanifold.method.options import METHODS
 
+pytestmark = pytest.mark.slow
+
 STEPS = [
     *("prepare", "neighborhoods", "outliers", "tangent_spaces", "local_regions"),
     "complex",

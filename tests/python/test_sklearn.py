@@ -22,6 +22,7 @@ CHECKS = parametrize_with_checks(
 
 
 # Some versions of scikit-learn give a generator, which pytest is about to refuse.
+@pytest.mark.slow
 @pytest.mark.parametrize(CHECKS.args[0], [*CHECKS.args[1]], **CHECKS.kwargs)
 # The checks fit Gaussian clouds: no manifolds, and uncertain dimensions.
 @pytest.mark.filterwarnings("ignore::remanifold.ManifoldWarning")
@@ -67,6 +68,7 @@ def test_auto_finds_the_dimension():
     assert model.n_components_ == 2
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::remanifold.DimensionWarning")
 def test_auto_goes_down_where_nothing_is_spanned():
     samples = np.random.default_rng(0).normal(size=(40, 10))

@@ -10,6 +10,8 @@ from scipy.spatial.distance import cdist
 import reference as ref
 import remanifold as rm
 
+pytestmark = pytest.mark.slow
+
 PROFILE = settings(deadline=None, derandomize=True, max_examples=40)
 ARRAYS = (
     "simplices",

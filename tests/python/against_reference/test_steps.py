@@ -18,6 +18,8 @@ from hypothesis import strategies as st
 import reference as ref
 import remanifold as rm
 
+pytestmark = pytest.mark.slow
+
 # Dimension K -> number of cases, samples at most, neighbors at most (there are
 # binomial(m, K + 1) tuples).
 NUM_CASES = {1: 300, 2: 300, 3: 250, 4: 200}

@@ -240,6 +240,7 @@ def test_convert_fails(square, tmp_path, arguments, code, message):
 # ---------------------------------------------------------------------- streams
 
 
+@pytest.mark.slow
 def test_a_pipe_from_points_to_a_mesh(tmp_path):
     points = rm.datasets.torus(400, random_state=0)
     write_points(tmp_path / "a.csv", points)
@@ -334,6 +335,7 @@ def test_help_has_examples_that_parse(command):
         assert "no such file" in failed.stderr or "standard input" in failed.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "position", "expected"),
     [

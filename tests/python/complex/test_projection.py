@@ -112,6 +112,7 @@ def test_quadratic_programs_agree(dim):
         assert distance == pytest.approx(least, abs=1e-8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ambient", [3, 7, 8, 9, 100])
 def test_trees_miss_nothing(ambient):
     points = rm.datasets.torus(1500, random_state=0)
@@ -226,6 +227,7 @@ def test_what_has_no_answer_is_refused():
     assert (none.points.shape, none.barycentric.shape) == ((0, 3), (0, 3))
 
 
+@pytest.mark.slow
 def test_progress_is_told():
     steps = []
     random = np.random.default_rng(0)

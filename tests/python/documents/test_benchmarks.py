@@ -26,6 +26,8 @@ import processes
 import samples
 import success_rates
 
+pytestmark = pytest.mark.slow
+
 
 def run(*arguments):
     done = subprocess.run(

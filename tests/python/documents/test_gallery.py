@@ -12,6 +12,8 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).resolve().parents[3]
 PAGES = ROOT / "docs" / "gallery"
 NEEDS = {

@@ -29,6 +29,8 @@ import side_by_side
 from peers import PEERS
 from side_by_side import SHAPES, Bench, Case, JudgeTask
 
+pytestmark = pytest.mark.slow
+
 DRIVER = next((file for file in side_by_side.DRIVERS if file.is_file()), None)
 CIRCLE = Case("circle", 100, "random", 0.0, 0)
 

@@ -348,6 +348,7 @@ def make_scene(complex, limit=100_000, **options):
     return scene.scene_of(complex, **{**given, **options})
 
 
+@pytest.mark.slow
 def test_what_is_drawn_by_dimension(torus, ball, rotations):
     curve = make_scene(rm.reconstruct(rm.datasets.trefoil(80, random_state=0), 1))
     assert [len(lines.edges) for lines in curve.lines] == [80]
@@ -488,6 +489,7 @@ def drawn(path):
     return (imread(path)[:, :, :3].min(axis=2) < 0.98).mean()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("backend", [PYVISTA, "matplotlib"])
 def test_pictures(backend, tmp_path, torus, sparse, rotations, ball):
     path = tmp_path / "picture.png"

@@ -704,6 +704,7 @@ def test_files_cut_short_give_value_errors_only(tmp_path, capfd):
     assert capfd.readouterr() == ("", "")
 
 
+@pytest.mark.slow
 def test_damaged_bytes_give_value_errors_only(tmp_path):
     rng = np.random.default_rng(1)
     with warnings.catch_warnings():

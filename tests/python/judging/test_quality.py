@@ -158,6 +158,7 @@ def test_products_tell_as_much_as_points(name):
         assert q.ok == known.ok
 
 
+@pytest.mark.slow
 def test_many_coordinates_change_nothing():
     points = datasets.torus(300, random_state=0)
     turn = np.linalg.qr(np.random.default_rng(0).normal(size=(300, 300)))[0]
@@ -406,6 +407,7 @@ def test_command_line(tmp_path):
     }
 
 
+@pytest.mark.slow
 def test_benchmark(tmp_path):
     file = tmp_path / "critical.json"
     done = subprocess.run(

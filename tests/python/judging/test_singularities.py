@@ -13,6 +13,8 @@ from scipy.spatial.distance import cdist
 import remanifold as rm
 from remanifold import datasets
 
+pytestmark = pytest.mark.slow
+
 FAR = np.array([6.0, 0.0, 0.0])
 T_SHAPE = (0.0, np.pi / 2, np.pi)
 

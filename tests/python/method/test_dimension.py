@@ -42,6 +42,7 @@ def share(found, dim, part=slice(None)):
 # --------------------------------------------------------------- known dimensions
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ROWS)
 def test_every_shape(name):
     row = ROWS[name]
@@ -57,6 +58,7 @@ def test_every_shape_is_tested():
     assert {row.shape for row in ROWS.values()} == set(datasets.SHAPES)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "confidence"),
     [
@@ -83,6 +85,7 @@ def test_noise_that_hides_small_scales_is_said():
     assert "nothing is clear, as with noise" in found.verdict
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("manifold", OTHERS, ids=lambda manifold: manifold.label)
 def test_other_manifolds(manifold):
     found = estimate(manifold.draw(manifold.num_samples, 11))
@@ -179,6 +182,7 @@ def test_estimators_from_distances():
     assert found.estimates["two_nn"] == pytest.approx(expected, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_products_are_as_good_as_points():
     points = np.vstack(
         [
@@ -413,6 +417,7 @@ def test_dim_auto_and_a_format_that_cannot_hold_it(tmp_path):
 # ------------------------------------------------------------------ real samples
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "dim", "confidence"),
     [
@@ -444,6 +449,7 @@ def test_real_samples_in_doubt(data_dir):
     assert found.confidence < 0.1
 
 
+@pytest.mark.slow
 def test_benchmark(tmp_path):
     np.save(tmp_path / "surface_a.npy", datasets.sphere(200, random_state=0))
     np.save(tmp_path / "other.npy", datasets.circle(200, random_state=0))

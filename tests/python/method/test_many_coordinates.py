@@ -8,6 +8,8 @@ import pytest
 
 import remanifold as rm
 
+pytestmark = pytest.mark.slow
+
 MANY = 300  # far above what counts as many
 
 

@@ -18,6 +18,8 @@ import remanifold as rm
 from remanifold.cli import app
 from remanifold.page import report_page, report_parts
 
+pytestmark = pytest.mark.slow
+
 pytest.importorskip("plotly")
 
 MARKUP = '<script>alert(1)</script> & "co" </title>'

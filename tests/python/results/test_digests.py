@@ -8,14 +8,31 @@ import pytest
 import digests
 
 RECORDED = digests.recorded()
+# Seconds each: most of K = 4, and where the programs are large.
+SLOW = {
+    "flat_torus_4_500",
+    "measured_curve_coastline_british_isles_in_R2",
+    "measured_highdim_range_image_patches_circle_in_R25",
+    "measured_rawscan_bunny_one_view_bun000",
+    "measured_solid_bunny_tetrahedra_K3_in_R3",
+    "sphere_times_sphere_500",
+}
+
+
+def cases():
+    return [
+        pytest.param(name, marks=pytest.mark.slow if name in SLOW else ())
+        for name in digests.CASES
+    ]
 
 
 def test_every_case_is_recorded():
+    assert set(digests.CASES) >= SLOW
     assert set(RECORDED) == set(digests.CASES)
     assert len(RECORDED) >= 60
 
 
-@pytest.mark.parametrize("name", digests.CASES)
+@pytest.mark.parametrize("name", cases())
 def test_results_keep_their_bytes(name):
     try:
         now = [digests.summary(digests.CASES[name](threads)) for threads in (1, 2)]

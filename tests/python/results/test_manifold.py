@@ -104,6 +104,7 @@ def compare_with_reference(name, num, seed, hole_radius, tally):
             tally["unique"] += 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CLOSED)
 def test_the_chain_has_the_least_energy(name):
     low, high, num_cases, least_compared, least_filled = CLOSED[name]
@@ -135,6 +136,7 @@ TABLE = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 1])
 @pytest.mark.parametrize("name", TABLE)
 def test_shapes_are_right(name, seed):
@@ -756,6 +758,7 @@ def test_cubic_grids(ambient):
     assert rec.topology().betti_numbers == (1, 0, 0, 0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("points", "dim"),
     [

@@ -8,6 +8,8 @@ import pytest
 
 import remanifold as rm
 
+pytestmark = pytest.mark.slow
+
 
 def load(data_dir, name):
     path = data_dir / f"{name}.npz"
