@@ -11,6 +11,8 @@ import scipy.spatial
 
 import reference as ref
 
+pytestmark = pytest.mark.slow
+
 
 def test_tied_neighbors_come_by_index_and_copies_as_one():
     points = np.array([[0.0, 0], [1, 0], [0, 1], [0, 0], [-1, 0], [0, 1], [3, 0]])

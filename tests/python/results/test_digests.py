@@ -8,14 +8,23 @@ import pytest
 import digests
 
 RECORDED = digests.recorded()
-# Seconds each: most of K = 4, and where the programs are large.
+# A second each and more: K = 3 and 4, and where the programs are large.
 SLOW = {
+    "ball_1500",
+    "bent_ball_1500",
     "flat_torus_4_500",
     "measured_curve_coastline_british_isles_in_R2",
     "measured_highdim_range_image_patches_circle_in_R25",
     "measured_rawscan_bunny_one_view_bun000",
     "measured_solid_bunny_tetrahedra_K3_in_R3",
+    "measured_surface_skull_genus2_vertices",
+    "measured_surface_spot_cow_vertices",
+    "measured_threemanifold_SO3_in_R9",
+    "noise_rotations_smooth",
+    "raw_scan",
+    "rotations_1000",
     "sphere_times_sphere_500",
+    "torus_10000",
 }
 
 
