@@ -15,7 +15,7 @@ mkdir -p $work
 "$bin/python" -m build --sdist --no-isolation --outdir dist .
 
 built=0
-for minor in 10 11 12 13; do
+for minor in 10 11 12 13 14; do
   python=python3.$minor
   # Building takes the headers, which may be a package of their own.
   "$python" -c '
@@ -44,7 +44,7 @@ import ensurepip, pathlib, sysconfig
   built=$((built + 1))
 done
 [ $built -gt 0 ] || {
-  echo "no Python 3.10 to 3.13 with its headers (python3-dev) found" >&2
+  echo "no Python 3.10 to 3.14 with its headers (python3-dev) found" >&2
   exit 1
 }
 ls -l dist
