@@ -3,7 +3,7 @@
 // agree on, the chain of least energy through the rest, orientation.
 #include "base/parallel.hpp"
 #include "cleaning/clean_samples.hpp"
-#include "local/regions.hpp"
+#include "first_steps.hpp"
 #include "remanifold/constants.hpp"
 #include "remanifold/input_numbering.hpp"
 #include "remanifold/reconstruct.hpp"
@@ -83,7 +83,7 @@ Reconstruction reconstruct(const Samples& given, const ReconstructOptions& optio
       options.estimator.value_or(Estimator::kJet)};
   detail::CleanSamples clean(
       given, options, options.outlier_distance.value_or(kOutlierDistance), execution);
-  detail::Regions steps = detail::compute_regions(clean, tangent, execution);
+  detail::FirstSteps steps = detail::take_first_steps(clean, tangent, execution);
   const Samples& samples = clean.samples();
   const Neighborhoods& neighborhoods = clean.neighborhoods();
   detail::Stopwatch watch;

@@ -4,7 +4,7 @@
 #include "base/parallel.hpp"
 #include "cleaning/clean_samples.hpp"
 #include "complex/simplex_rows.hpp"
-#include "local/regions.hpp"
+#include "first_steps.hpp"
 #include "remanifold/constants.hpp"
 #include "remanifold/facets.hpp"
 #include "remanifold/input_numbering.hpp"
@@ -26,7 +26,7 @@ PaperReconstruction reconstruct_paper(const Samples& given,
       options.estimator.value_or(Estimator::kEnclosure)};
   detail::CleanSamples clean(given, options, options.outlier_distance.value_or(0),
                              execution);
-  detail::Regions steps = detail::compute_regions(clean, tangent, execution);
+  detail::FirstSteps steps = detail::take_first_steps(clean, tangent, execution);
   const Samples& samples = clean.samples();
   const LocalRegions& regions = steps.regions;
   PaperReconstruction result;

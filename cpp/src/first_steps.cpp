@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "local/regions.hpp"
+#include "first_steps.hpp"
 
 #include "base/parallel.hpp"
 #include "remanifold/constants.hpp"
@@ -20,10 +20,10 @@ int thread_count(const Execution& execution) {
 
 }  // namespace
 
-Regions compute_regions(CleanSamples& clean, const TangentOptions& tangent,
-                        const Execution& execution) {
+FirstSteps take_first_steps(CleanSamples& clean, const TangentOptions& tangent,
+                            const Execution& execution) {
   const double threads = thread_count(execution);
-  Regions result;
+  FirstSteps result;
   clean.run(
       std::max(tangent.num_neighbors, certifying_count(tangent.dim, clean.search())));
   const Samples& samples = clean.samples();

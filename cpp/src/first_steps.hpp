@@ -12,15 +12,15 @@
 
 namespace remanifold::detail {
 
-struct Regions {
+struct FirstSteps {
   TangentSpaces tangents;
   LocalRegions regions;
   double recall = 1;
   StepSeconds seconds;
 };
 
-Regions compute_regions(CleanSamples& clean, const TangentOptions& tangent,
-                        const Execution& execution);
+FirstSteps take_first_steps(CleanSamples& clean, const TangentOptions& tangent,
+                            const Execution& execution);
 
 /// Tangent spaces in the form they were found in.
 void write_tangents(const Samples& samples, TangentSpaces mapped,
