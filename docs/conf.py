@@ -55,9 +55,12 @@ def only_public_bases(_app, _name, _object, _options, bases):
     bases[:] = [base for base in bases if base.__name__ in remanifold.__all__]
 
 
-def link_readme(_app, _name, source):
-    """The README is no page of the site: its place is taken by the first page."""
-    source[0] = re.sub(r"\]\((\.\./)+README\.md", "](/index.md", source[0])
+def link_outside(_app, _name, source):
+    """What lies outside the site: the first page takes the place of the README."""
+    text = re.sub(r"\]\((\.\./)+README\.md", "](/index.md", source[0])
+    source[0] = re.sub(
+        r"\[CONTRIBUTING\]\((\.\./)+CONTRIBUTING\.md\)", "CONTRIBUTING.md", text
+    )
 
 
 def resolve_in_package(app, env, node, contnode):
@@ -75,4 +78,4 @@ def setup(app):
     app.connect("autodoc-skip-member", skip_member)
     app.connect("autodoc-process-bases", only_public_bases)
     app.connect("missing-reference", resolve_in_package)
-    app.connect("source-read", link_readme)
+    app.connect("source-read", link_outside)
