@@ -209,7 +209,7 @@ def check_index_array(
         )
         raise ValueError(msg)
     if array.size and (
-        array.max() > np.iinfo(dtype).max or array.min() < np.iinfo(dtype).min
+        int(array.max()) > np.iinfo(dtype).max or int(array.min()) < np.iinfo(dtype).min
     ):
         msg = f"{name} has values that do not fit {np.dtype(dtype)}"
         raise OverflowError(msg)

@@ -240,7 +240,8 @@ def _simplex_tree(simplices: NDArray[np.int32]) -> Any:
     import gudhi
 
     tree = gudhi.SimplexTree()
-    tree.insert_batch(np.ascontiguousarray(simplices.T), np.zeros(len(simplices)))
+    # A copy: older releases refuse what cannot be written to.
+    tree.insert_batch(np.array(simplices.T, order="C"), np.zeros(len(simplices)))
     return tree
 
 

@@ -52,7 +52,8 @@ def to_gudhi(complex: ComplexData, filtration: ArrayLike | None = None) -> Any:
     values = np.zeros(len(simplices))
     tree = SimplexTree()
     if filtration is None:
-        tree.insert_batch(np.ascontiguousarray(simplices.T), values)
+        # A copy: older releases refuse what cannot be written to.
+        tree.insert_batch(np.array(simplices.T, order="C"), values)
         return tree
     heights = np.asarray(filtration)
     n = complex.num_vertices
@@ -68,7 +69,7 @@ def to_gudhi(complex: ComplexData, filtration: ArrayLike | None = None) -> Any:
         raise ValueError(msg)
     # No vertex begins after its simplices, so they start as low as can be.
     tree.insert_batch(
-        np.ascontiguousarray(simplices.T), np.full(len(simplices), -np.inf)
+        np.array(simplices.T, order="C"), np.full(len(simplices), -np.inf)
     )
     for vertex in np.unique(simplices).tolist():
         tree.assign_filtration([vertex], heights[vertex])
