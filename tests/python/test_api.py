@@ -953,3 +953,21 @@ def test_examples_in_docstrings(name):
 
 def test_version():
     assert re.fullmatch(r"\d+\.\d+\.\d+\S*", rm.__version__)
+
+
+@pytest.mark.parametrize("kind", ["gram", "distances"])
+def test_products_of_single_precision_need_not_be_symmetric(kind):
+    """Their rounding is replaced by the mean of both sides; more is refused."""
+    points = rm.datasets.circle(60, random_state=0)
+    exact = points @ points.T
+    if kind == "distances":
+        exact = np.linalg.norm(points[:, None] - points, axis=2)
+    noise = np.random.default_rng(0).uniform(-1e-7, 1e-7, exact.shape)
+    uneven = exact + noise * (1 - np.eye(60))
+    rec = rm.reconstruct(dim=1, **{kind: uneven})
+    assert rec.topology().betti_numbers == (1, 1)
+    even = rm.reconstruct(dim=1, **{kind: (uneven + uneven.T) / 2})
+    np.testing.assert_array_equal(rec.simplices, even.simplices)
+    uneven[3, 5] += 1e-4
+    with pytest.raises(ValueError, match=rf"{kind}.* symmetric"):
+        rm.reconstruct(dim=1, **{kind: uneven})
