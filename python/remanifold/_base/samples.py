@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import functools
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
@@ -41,7 +42,7 @@ class Input(ABC):
     def __len__(self) -> int:
         return len(self.matrix)
 
-    @property
+    @functools.cached_property
     def scale(self) -> float:
         """The largest number, 1 where all are zero."""
         return float(np.abs(self.matrix).max()) or 1.0
@@ -90,6 +91,10 @@ class Points(Input):
         """Products are faster in many coordinates."""
         return bool(self.matrix.shape[1] > _FEW_COORDINATES)
 
+    @functools.cached_property
+    def _squared_norms(self) -> Floats:
+        return np.asarray(np.einsum("nd,nd->n", self.matrix, self.matrix))
+
     def subset(self, kept: NDArray[Any]) -> Input:
         return self.of(self.matrix[kept])
 
@@ -103,7 +108,7 @@ class Points(Input):
     def squares_from(self, queries: NDArray[Any]) -> Floats:
         matrix = self.matrix
         if self.cancels:
-            squares = np.einsum("nd,nd->n", matrix, matrix)
+            squares = self._squared_norms
             products = matrix[queries] @ matrix.T
             return np.asarray(squares[queries, None] + squares - 2 * products)
         far = np.zeros((len(queries), len(matrix)))

@@ -449,7 +449,7 @@ def _signs(found: _Findings) -> Iterator[_Sign]:
 
 def _fitted(dim: int) -> int:
     """Neighbors of the narrow fits."""
-    return 3 * dim * (dim + 3) // 2
+    return _core.jet_neighbors(dim)
 
 
 def _singularities(rec: ReconstructionData, samples: Input) -> Iterator[_Sign]:
