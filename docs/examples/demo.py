@@ -17,6 +17,7 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import meshio
+
 from drawing import draw_points, draw_simplices, save
 
 

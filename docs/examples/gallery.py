@@ -14,8 +14,9 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
-from drawing import ALARM_COLOR, SAMPLE_COLOR, draw_simplices, project, save
 from matplotlib.collections import LineCollection
+
+from drawing import ALARM_COLOR, SAMPLE_COLOR, draw_simplices, project, save
 
 PAGES = Path(__file__).resolve().parents[1] / "gallery"
 GRAY = "#b8b8b8"

@@ -14,13 +14,13 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
-from drawing import GAP_COLOR, SAMPLE_COLOR, draw_simplices, project, save
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgb, to_rgba
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch
 
 import remanifold as rm
+from drawing import GAP_COLOR, SAMPLE_COLOR, draw_simplices, project, save
 from remanifold import datasets
 
 FOLDER = Path(__file__).resolve().parents[1] / "figures"

@@ -12,9 +12,9 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
-from drawing import ALARM_COLOR, draw_points, project, save
 
 import remanifold as rm
+from drawing import ALARM_COLOR, draw_points, project, save
 from remanifold import datasets
 
 SEEDS = 10

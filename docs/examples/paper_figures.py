@@ -14,9 +14,9 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
-from drawing import draw_points, draw_simplices, save
 
 import remanifold as rm
+from drawing import draw_points, draw_simplices, save
 from remanifold import datasets
 
 FOLDER = Path(__file__).resolve().parents[1] / "figures"

@@ -12,11 +12,11 @@ import time
 import warnings
 from pathlib import Path
 
-import drawing
 import matplotlib.pyplot as plt
 import numpy as np
 from scipy.spatial import cKDTree
 
+import drawing
 import remanifold as rm
 from remanifold import datasets
 
