@@ -2,9 +2,9 @@
 #include "remanifold/simplex_measures.hpp"
 
 #include "base/parallel.hpp"
+#include "base/small_systems.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
+#include <Eigen/Core>
 
 #include <algorithm>
 #include <cmath>
@@ -19,8 +19,9 @@ constexpr Offset kBlock = 1024;
 constexpr double kFlat = 1e-20;
 
 constexpr int kMaxDim = 16;
-using Small =
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxDim, kMaxDim>;
+using Factors = detail::SymmetricFactors<Eigen::Dynamic, kMaxDim>;
+using Small = Factors::Matrix;
+using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxDim, 1>;
 
 }  // namespace
 
@@ -116,8 +117,9 @@ SimplexMeasures SimplexRuler::measure(const Index* vertices, int arity) const {
     }
     product *= gram(i, i);
   }
-  const Eigen::LDLT<Small> factors(gram);
-  const double determinant = factors.vectorD().prod();
+  Factors factors;
+  factors.compute(gram);
+  const double determinant = factors.determinant();
   double factorial = 1;
   for (int i = 2; i <= dim; ++i) {
     factorial *= i;
@@ -127,9 +129,10 @@ SimplexMeasures SimplexRuler::measure(const Index* vertices, int arity) const {
     result.circumradius = std::numeric_limits<double>::infinity();
     return result;
   }
-  const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxDim, 1> half =
-      gram.diagonal() / 2;
-  result.circumradius = std::sqrt(std::max(0.0, half.dot(factors.solve(half))));
+  const SmallVector half = gram.diagonal() / 2;
+  SmallVector weights = half;
+  factors.solve(weights);
+  result.circumradius = std::sqrt(std::max(0.0, half.dot(weights)));
   return result;
 }
 
@@ -141,7 +144,7 @@ int SimplexRuler::orientation(const Index* vertices, int arity) const {
       edges(i, j) = samples_.point(vertices[i + 1])[j] - samples_.point(vertices[0])[j];
     }
   }
-  return Eigen::PartialPivLU<Small>(edges).determinant() < 0 ? -1 : 1;
+  return detail::determinant_of(edges) < 0 ? -1 : 1;
 }
 
 double SimplexRuler::scale(const Index* vertices, int arity) const {
@@ -170,18 +173,24 @@ double SimplexRuler::fold(const Index* facet, int arity, Index apex,
   double both = product(apex, other_apex);
   if (dim > 0) {
     Small gram(dim, dim);
-    Eigen::Matrix<double, Eigen::Dynamic, 2, 0, kMaxDim, 2> right(dim, 2);
+    SmallVector to_first(dim);
+    SmallVector to_second(dim);
     for (int i = 0; i < dim; ++i) {
       for (int j = 0; j <= i; ++j) {
         gram(i, j) = gram(j, i) = product(facet[i + 1], facet[j + 1]);
       }
-      right(i, 0) = product(facet[i + 1], apex);
-      right(i, 1) = product(facet[i + 1], other_apex);
+      to_first[i] = product(facet[i + 1], apex);
+      to_second[i] = product(facet[i + 1], other_apex);
     }
-    const auto weights = Eigen::LDLT<Small>(gram).solve(right).eval();
-    first -= weights.col(0).dot(right.col(0));
-    second -= weights.col(1).dot(right.col(1));
-    both -= weights.col(0).dot(right.col(1));
+    Factors factors;
+    factors.compute(gram);
+    SmallVector first_weights = to_first;
+    SmallVector second_weights = to_second;
+    factors.solve(first_weights);
+    factors.solve(second_weights);
+    first -= first_weights.dot(to_first);
+    second -= second_weights.dot(to_second);
+    both -= first_weights.dot(to_second);
   }
   const double lengths = std::sqrt(std::max(0.0, first) * std::max(0.0, second));
   return lengths > 0 ? std::clamp(both / lengths, -1.0, 1.0) : 1.0;

@@ -5,6 +5,7 @@
 // zeros change no sum, and sums of four lanes are the same on every machine.
 #pragma once
 
+#include "base/decompositions.hpp"
 #include "local/local_coordinates.hpp"
 
 #include <Eigen/Core>

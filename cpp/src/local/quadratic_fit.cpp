@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "local/quadratic_fit.hpp"
 
+#include "base/decompositions.hpp"
 #include "base/tolerance.hpp"
-
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 
 #include <algorithm>
 #include <cmath>
@@ -34,7 +32,8 @@ Eigen::MatrixXd leading_directions(const Eigen::MatrixXd& rows, Eigen::Index cou
                                    Eigen::VectorXd& squares) {
   const Eigen::Index size = rows.cols();
   if (size < kManyCoordinates) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(rows.transpose() * rows);
+    const Eigen::MatrixXd products = rows.transpose() * rows;
+    const SymmetricEigen eigen(products);
     squares = eigen.eigenvalues().tail(count);
     return eigen.eigenvectors().rightCols(count);
   }
@@ -54,12 +53,11 @@ Eigen::MatrixXd leading_directions(const Eigen::MatrixXd& rows, Eigen::Index cou
   }
   Eigen::MatrixXd directions;
   for (int step = 0; step < kIterations; ++step) {
-    const Eigen::HouseholderQR<Eigen::MatrixXd> factors(rows.transpose() * images);
-    directions = factors.householderQ() * Eigen::MatrixXd::Identity(size, carried);
+    directions = orthonormal_columns(rows.transpose() * images);
     images.noalias() = rows * directions;
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(images.transpose() *
-                                                             images);
+  const Eigen::MatrixXd products = images.transpose() * images;
+  const SymmetricEigen eigen(products);
   squares = eigen.eigenvalues().tail(count);
   return directions * eigen.eigenvectors().rightCols(count);
 }

@@ -3,6 +3,7 @@
 // from the hull that is dual to it, and how far away a sample can still cut it.
 #pragma once
 
+#include "base/small_systems.hpp"
 #include "base/tolerance.hpp"
 #include "complex/simplex_rows.hpp"
 #include "local/convex_hull.hpp"
@@ -11,7 +12,6 @@
 #include "remanifold/types.hpp"
 
 #include <Eigen/Core>
-#include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
@@ -236,9 +236,8 @@ class Region : public RegionCorners<K> {
       offsets[i] /= length;
       lengths *= length;
     }
-    const Eigen::PartialPivLU<Square> factors(normals);
-    const double volume = std::abs(factors.determinant());
-    Corner corner{factors.solve(offsets), 0, kCornerError / volume,
+    const double volume = std::abs(solve_square(normals, offsets));
+    Corner corner{offsets, 0, kCornerError / volume,
                   volume * lengths < kFlatSimplex * tree};
     corner.length = corner.position.norm();
     return corner;

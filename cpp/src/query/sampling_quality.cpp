@@ -2,7 +2,9 @@
 #include "remanifold/sampling_quality.hpp"
 
 #include "base/csr.hpp"
+#include "base/decompositions.hpp"
 #include "base/parallel.hpp"
+#include "base/small_systems.hpp"
 #include "local/frame_fit.hpp"
 #include "local/local_coordinates.hpp"
 #include "remanifold/facets.hpp"
@@ -10,10 +12,7 @@
 #include "remanifold/tangent_space.hpp"
 #include "samples/known_distances.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
@@ -42,8 +41,8 @@ constexpr double kOutside = -0.1;
 /// spans ten neighbors.
 constexpr int hops(int dim) { return dim == 1 ? 12 : 3; }
 
-using Small =
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxDim, kMaxDim>;
+using Factors = detail::SymmetricFactors<Eigen::Dynamic, kMaxDim>;
+using Small = Factors::Matrix;
 using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxDim, 1>;
 
 /// The simplices at each vertex, in order.
@@ -69,107 +68,164 @@ SimplexArray to_canonical(const Samples& samples, const SimplexArray& simplices)
   return result;
 }
 
-/// A quadratic fit of normal vectors over tangent coordinates. Products are lazy: the
-/// matrices are small.
-template <int K, int D>
+/// Columns of coordinates, one row a neighbor.
+using Columns = Eigen::MatrixXd;
+
+double dot(const double* a, const double* b, Eigen::Index count) {
+  constexpr int kLanes = 4;
+  double lanes[kLanes] = {};
+  Eigen::Index i = 0;
+  for (; i + kLanes <= count; i += kLanes) {
+    for (int lane = 0; lane < kLanes; ++lane) {
+      lanes[lane] += a[i + lane] * b[i + lane];
+    }
+  }
+  double sum = (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]);
+  for (; i < count; ++i) {
+    sum += a[i] * b[i];
+  }
+  return sum;
+}
+
+/// A quadratic fit of normal vectors over tangent coordinates.
 class Quadric {
  public:
-  static constexpr int kUnknowns =
-      K == Eigen::Dynamic ? Eigen::Dynamic : 1 + K + K * (K + 1) / 2;
-
   explicit Quadric(int dim) : dim_(dim), unknowns_(1 + dim + dim * (dim + 1) / 2) {}
-
-  int unknowns() const { return unknowns_; }
 
   /// \param tangents  m x K
   /// \param normals   m x r
   /// \returns the root mean square distance from the fit of the first `count` rows; NaN
   ///          where they are too few or lie badly
-  template <class Tangents, class Normals>
-  double fit(const Tangents& tangents, const Normals& normals, Eigen::Index count) {
+  double fit(const Columns& tangents, const Columns& normals, Eigen::Index count) {
     if (count <= unknowns_) {
       return kNaN;
     }
-    size_ = std::sqrt(tangents.topRows(count).rowwise().squaredNorm().maxCoeff());
-    if (!(size_ > 0)) {
+    if (!fill_design(tangents, count)) {
       return kNaN;
-    }
-    design_.resize(count, unknowns_);
-    design_.col(0).setOnes();
-    int column = 1;
-    for (int i = 0; i < dim_; ++i) {
-      design_.col(column++) = tangents.col(i).head(count) / size_;
-    }
-    for (int i = 0; i < dim_; ++i) {
-      for (int j = 0; j <= i; ++j) {
-        design_.col(column++) = design_.col(1 + i).cwiseProduct(design_.col(1 + j));
-      }
     }
     gram_.resize(unknowns_, unknowns_);
-    right_.resize(unknowns_, normals.cols());
     for (int i = 0; i < unknowns_; ++i) {
       for (int j = 0; j <= i; ++j) {
-        gram_(i, j) = gram_(j, i) = design_.col(i).dot(design_.col(j));
-      }
-      for (Eigen::Index axis = 0; axis < normals.cols(); ++axis) {
-        right_(i, axis) = design_.col(i).dot(normals.col(axis).head(count));
+        gram_(i, j) = dot(column(i), column(j), count);
       }
     }
-    solver_.compute(gram_);
-    const auto pivots = solver_.vectorD();
-    if (!(pivots.minCoeff() > kFlatDesign * pivots.maxCoeff())) {
+    factors_.compute(gram_);
+    double least = kInfinity;
+    double largest = -kInfinity;
+    for (int i = 0; i < unknowns_; ++i) {
+      least = std::min(least, factors_.pivot(i));
+      largest = std::max(largest, factors_.pivot(i));
+    }
+    if (!(least > kFlatDesign * largest)) {
       return kNaN;
     }
-    solution_ = solver_.solve(right_);
+    solution_.resize(unknowns_, normals.cols());
     double rest = 0;
     for (Eigen::Index axis = 0; axis < normals.cols(); ++axis) {
-      residual_ = normals.col(axis).head(count);
+      const double* normal = normals.data() + axis * normals.rows();
       for (int i = 0; i < unknowns_; ++i) {
-        residual_ -= solution_(i, axis) * design_.col(i);
+        solution_(i, axis) = dot(column(i), normal, count);
       }
-      rest += residual_.squaredNorm();
+      factors_.solve(solution_.col(axis));
+      residual_.assign(normal, normal + count);
+      for (int i = 0; i < unknowns_; ++i) {
+        const double* term = column(i);
+        const double factor = solution_(i, axis);
+        for (Eigen::Index row = 0; row < count; ++row) {
+          residual_[row] -= factor * term[row];
+        }
+      }
+      rest += dot(residual_.data(), residual_.data(), count);
     }
     return std::sqrt(rest / static_cast<double>(count - unknowns_));
   }
 
   /// The largest norm of II(u, .) over unit vectors u, of the last fit.
-  double curvature() const {
-    Square products = Square::Zero(dim_, dim_);
+  double curvature() {
     const auto row_of = [&](int i, int j) {
       const int high = std::max(i, j);
       return 1 + dim_ + high * (high + 1) / 2 + std::min(i, j);
     };
+    products_.resize(dim_, dim_);
     for (int i = 0; i < dim_; ++i) {
       for (int j = 0; j <= i; ++j) {
         double sum = 0;
         for (int k = 0; k < dim_; ++k) {
           const double times = (i == k ? 2.0 : 1.0) * (j == k ? 2.0 : 1.0);
-          sum += times * solution_.row(row_of(i, k)).dot(solution_.row(row_of(j, k)));
+          double product = 0;
+          for (Eigen::Index axis = 0; axis < solution_.cols(); ++axis) {
+            product += solution_(row_of(i, k), axis) * solution_(row_of(j, k), axis);
+          }
+          sum += times * product;
         }
-        products(i, j) = products(j, i) = sum;
+        products_(i, j) = sum;
       }
     }
-    const double largest = dim_ == 1 ? products(0, 0)
-                                     : Eigen::SelfAdjointEigenSolver<Square>(
-                                           products, Eigen::EigenvaluesOnly)
-                                           .eigenvalues()
-                                           .maxCoeff();
-    return std::sqrt(std::max(0.0, largest)) / (size_ * size_);
+    return std::sqrt(std::max(0.0, largest_eigenvalue())) / (size_ * size_);
   }
 
  private:
   static constexpr double kFlatDesign = 1e-10;
-  using Square = Eigen::Matrix<double, K, K>;
+
+  double* column(int i) { return design_.data() + i * design_.rows(); }
+
+  /// 1, the coordinates in units of the farthest, and their products.
+  bool fill_design(const Columns& tangents, Eigen::Index count) {
+    double farthest = 0;
+    for (Eigen::Index row = 0; row < count; ++row) {
+      double squared = 0;
+      for (int i = 0; i < dim_; ++i) {
+        squared += tangents(row, i) * tangents(row, i);
+      }
+      farthest = std::max(farthest, squared);
+    }
+    size_ = std::sqrt(farthest);
+    if (!(size_ > 0)) {
+      return false;
+    }
+    design_.resize(count, unknowns_);
+    std::fill_n(column(0), count, 1.0);
+    int next = 1 + dim_;
+    for (int i = 0; i < dim_; ++i) {
+      double* own = column(1 + i);
+      for (Eigen::Index row = 0; row < count; ++row) {
+        own[row] = tangents(row, i) / size_;
+      }
+      for (int j = 0; j <= i; ++j) {
+        const double* other = column(1 + j);
+        double* both = column(next++);
+        for (Eigen::Index row = 0; row < count; ++row) {
+          both[row] = own[row] * other[row];
+        }
+      }
+    }
+    return true;
+  }
+
+  /// Of the products, of which the lower triangle is filled.
+  double largest_eigenvalue() {
+    if (dim_ == 1) {
+      return products_(0, 0);
+    }
+    if (dim_ == 2) {
+      const double mean = (products_(0, 0) + products_(1, 1)) / 2;
+      const double half = (products_(0, 0) - products_(1, 1)) / 2;
+      return mean + std::hypot(half, products_(1, 0));
+    }
+    eigen_.compute(products_, Eigen::EigenvaluesOnly);
+    return eigen_.eigenvalues()[dim_ - 1];
+  }
 
   int dim_;
   int unknowns_;
   double size_ = 0;
-  Eigen::Matrix<double, Eigen::Dynamic, kUnknowns> design_;
-  Eigen::Matrix<double, kUnknowns, kUnknowns> gram_;
-  Eigen::LDLT<Eigen::Matrix<double, kUnknowns, kUnknowns>> solver_;
-  Eigen::Matrix<double, kUnknowns, D> right_;
-  Eigen::Matrix<double, kUnknowns, D> solution_;
-  Eigen::VectorXd residual_;
+  Columns design_;
+  detail::SymmetricFactors<Eigen::Dynamic>::Matrix gram_;
+  detail::SymmetricFactors<Eigen::Dynamic> factors_;
+  Columns solution_;  // unknowns x r
+  std::vector<double> residual_;
+  Eigen::MatrixXd products_;
+  detail::SymmetricEigen eigen_;
 };
 
 /// The complex with what is looked up in it.
@@ -251,10 +307,7 @@ class QualityKernel {
     if (narrow_ == 0 || !find_frame(x)) {
       return;
     }
-    const auto& frame = frame_fit_.frame();
-    tangents_ = vectors_.lazyProduct(frame.transpose());
-    normals_ = vectors_;
-    normals_ -= tangents_.lazyProduct(frame);
+    split_vectors();
     out.scatter[x] = quadric_.fit(tangents_, normals_, narrow_);
     out.wide_scatter[x] = quadric_.fit(tangents_, normals_, wide);
     if (!std::isnan(out.wide_scatter[x])) {
@@ -262,9 +315,10 @@ class QualityKernel {
     }
     double inverse = 0;
     for (Eigen::Index i = 0; i < wide; ++i) {
-      const double squared = vectors_.row(i).squaredNorm();
+      const double squared = squared_length(vectors_, i);
       if (squared >= kNearest * kNearest * scales_[x] * scales_[x]) {
-        inverse = std::max(inverse, 2 * normals_.row(i).norm() / squared);
+        inverse =
+            std::max(inverse, 2 * std::sqrt(squared_length(normals_, i)) / squared);
       }
     }
     // Rounding is not curvature.
@@ -274,8 +328,42 @@ class QualityKernel {
 
  private:
   static constexpr double kFlat = 1e-7;
-  using Vectors = Eigen::Matrix<double, Eigen::Dynamic, D>;
-  using Square = Eigen::Matrix<double, K, K>;
+
+  static double squared_length(const Columns& rows, Eigen::Index i) {
+    double sum = 0;
+    for (Eigen::Index axis = 0; axis < rows.cols(); ++axis) {
+      sum += rows(i, axis) * rows(i, axis);
+    }
+    return sum;
+  }
+
+  /// What of the vectors is tangent, in the frame, and what is normal.
+  void split_vectors() {
+    const auto& frame = frame_fit_.frame();
+    const Eigen::Index rows = vectors_.rows();
+    tangents_.setZero(rows, dim_);
+    normals_ = vectors_;
+    for (int k = 0; k < dim_; ++k) {
+      double* tangent = tangents_.data() + k * rows;
+      for (Eigen::Index axis = 0; axis < vectors_.cols(); ++axis) {
+        const double* own = vectors_.data() + axis * rows;
+        const double factor = frame(k, axis);
+        for (Eigen::Index i = 0; i < rows; ++i) {
+          tangent[i] += own[i] * factor;
+        }
+      }
+    }
+    for (int k = 0; k < dim_; ++k) {
+      const double* tangent = tangents_.data() + k * rows;
+      for (Eigen::Index axis = 0; axis < vectors_.cols(); ++axis) {
+        double* normal = normals_.data() + axis * rows;
+        const double factor = frame(k, axis);
+        for (Eigen::Index i = 0; i < rows; ++i) {
+          normal[i] -= tangent[i] * factor;
+        }
+      }
+    }
+  }
 
   bool find_frame(Index x) {
     const auto count = static_cast<Index>(list_.size());
@@ -373,8 +461,9 @@ class QualityKernel {
     double flat = 0;
     double whole = 0;
     const int arity = dim_ + 1;
-    Square edges(dim_, dim_);
-    rows_.resize(dim_, vectors_.cols());
+    edges_.resize(dim_, dim_);
+    gram_.resize(dim_, dim_);
+    numbers_.resize(dim_);
     for (const Offset* s = result_.stars.begin(x); s != result_.stars.end(x); ++s) {
       const Index* simplex = result_.simplices[*s];
       int row = 0;
@@ -383,14 +472,21 @@ class QualityKernel {
           continue;
         }
         const auto place = std::find(list_.begin(), list_.end(), simplex[i]);
-        const auto number = place - list_.begin();
-        edges.row(row) = tangents_.row(number);
-        rows_.row(row) = vectors_.row(number);
+        numbers_[row] = place - list_.begin();
+        for (int k = 0; k < dim_; ++k) {
+          edges_(row, k) = tangents_(numbers_[row], k);
+        }
+        for (int other = 0; other <= row; ++other) {
+          double product = 0;
+          for (Eigen::Index axis = 0; axis < vectors_.cols(); ++axis) {
+            product += vectors_(numbers_[row], axis) * vectors_(numbers_[other], axis);
+          }
+          gram_(row, other) = gram_(other, row) = product;
+        }
         ++row;
       }
-      const Square gram = rows_.lazyProduct(rows_.transpose());
-      flat += std::abs(edges.determinant());
-      whole += std::sqrt(std::max(0.0, gram.determinant()));
+      flat += std::abs(detail::determinant_of(edges_));
+      whole += std::sqrt(std::max(0.0, detail::determinant_of(gram_)));
     }
     return whole > 0 ? std::min(1.0, flat / whole) : 0.0;
   }
@@ -404,12 +500,14 @@ class QualityKernel {
   detail::KnownDistances distances_;
   detail::LocalCoordinates coordinates_;
   detail::FrameFit<K, D> frame_fit_;
-  Quadric<K, D> quadric_;
+  Quadric quadric_;
   std::vector<Index> list_;
-  Vectors vectors_;
-  Eigen::Matrix<double, Eigen::Dynamic, K> tangents_;
-  Vectors normals_;
-  Eigen::Matrix<double, K, D> rows_;
+  Columns vectors_;
+  Columns tangents_;
+  Columns normals_;
+  Small edges_;
+  Small gram_;
+  std::vector<Offset> numbers_;
   std::vector<Neighbor> unreached_;
   std::vector<Index> seen_;  // by whom last
   std::vector<Index> front_;
@@ -441,7 +539,10 @@ double empty_radius(const Samples& samples, const Index* simplex, int arity) {
     }
     half[i] = gram(i, i) / 2;
   }
-  const SmallVector weights = Eigen::LDLT<Small>(gram).solve(half);
+  SmallVector weights = half;
+  Factors factors;
+  factors.compute(gram);
+  factors.solve(weights);
   const double least = std::min(weights.minCoeff(), 1 - weights.sum());
   const double squared = weights.dot(half);
   return least > kOutside && squared > 0 ? std::sqrt(squared) : 0;

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "query/simplex_tree.hpp"
 
+#include "base/decompositions.hpp"
 #include "base/parallel.hpp"
 #include "samples/distance.hpp"
-
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 
 #include <algorithm>
 #include <cmath>
@@ -108,7 +106,7 @@ void SimplexTree::find_axes(const Execution& execution) {
   mean_.assign(mean.data(), mean.data() + ambient_dim_);
   rows.rowwise() -= mean;
   const Eigen::MatrixXd gram = rows.lazyProduct(rows.transpose());
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(gram);
+  const SymmetricEigen solver(gram);
   // Half of them along the most variance, half mixed from all of it: the first alone may
   // take parts of a manifold that are far apart to the same place. Where they are
   // dependent, the decomposition completes them.
@@ -125,10 +123,7 @@ void SimplexTree::find_axes(const Execution& execution) {
     }
     directions.col(i) = rows.transpose().lazyProduct(weights);
   }
-  const Eigen::HouseholderQR<Eigen::MatrixXd> factors(directions);
-  const Eigen::MatrixXd frame =
-      factors.householderQ() * Eigen::MatrixXd::Identity(ambient_dim_, num_axes_);
-  axes_ = frame.transpose();
+  axes_ = orthonormal_columns(directions).transpose();
   reduced_.resize(static_cast<std::size_t>(count) * num_axes_);
   for_each_block_uncounted(count, kBlock, execution, [&](Offset begin, Offset end) {
     for (Offset i = begin; i < end; ++i) {
