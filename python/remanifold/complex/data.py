@@ -32,6 +32,9 @@ class ComplexData(ReadOnlyArrays):
 
     vertices: NDArray[np.float64] | None
     simplices: NDArray[np.int32]
+    vertex_attributes: dict[str, NDArray[Any]] = field(
+        default_factory=dict, kw_only=True
+    )
     # How the samples are known where they have no coordinates.
     _products: Input | None = field(default=None, kw_only=True)
 
