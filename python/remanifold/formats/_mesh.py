@@ -6,7 +6,7 @@ from __future__ import annotations
 import itertools
 import warnings
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
@@ -166,6 +166,8 @@ def _clipped_ears(
         flat[:, 0] *= -1  # counterclockwise
     left = list(range(len(polygon)))
     triangles = []
+    if _crosses_itself(flat):
+        _refuse_crossing(source, number, len(polygon))
     while len(left) > 3:
         for i in range(len(left)):
             a, b, c = left[i - 1], left[i], left[(i + 1) % len(left)]
@@ -175,23 +177,36 @@ def _clipped_ears(
                 del left[i]
                 break
         else:
-            source.fail(
-                f"face {number} has {len(polygon)} corners and crosses itself; "
-                "triangulate the mesh first"
-            )
+            _refuse_crossing(source, number, len(polygon))
     triangles.append(left)
     return np.asarray(polygon[np.array(triangles)])
 
 
-def _is_ear(a: FloatArray, b: FloatArray, c: FloatArray, others: FloatArray) -> bool:
-    def side(p: FloatArray, q: FloatArray, r: FloatArray) -> Any:
-        u, v = q - p, r - p
-        return u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
+def _refuse_crossing(source: Source, number: int, size: int) -> NoReturn:
+    source.fail(
+        f"face {number} has {size} corners and crosses itself; triangulate the mesh first"
+    )
 
-    if side(a, b, c) <= 0:
+
+def _side(p: FloatArray, q: FloatArray, r: FloatArray) -> Any:
+    """Twice the signed area of a triangle: on which side of pq the third corner is."""
+    u, v = q - p, r - p
+    return u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
+
+
+def _crosses_itself(flat: FloatArray) -> bool:
+    """Whether two sides of a polygon cross in their interiors."""
+    begin, end = flat, np.roll(flat, -1, axis=0)
+    a, b, c, d = begin[:, None], end[:, None], begin[None], end[None]
+    apart = _side(a, b, c) * _side(a, b, d) < 0
+    return bool((apart & (_side(c, d, a) * _side(c, d, b) < 0)).any())
+
+
+def _is_ear(a: FloatArray, b: FloatArray, c: FloatArray, others: FloatArray) -> bool:
+    if _side(a, b, c) <= 0:
         return False
-    inside = (side(a, b, others) >= 0) & (side(b, c, others) >= 0)
-    return not (inside & (side(c, a, others) >= 0)).any()
+    inside = (_side(a, b, others) >= 0) & (_side(b, c, others) >= 0)
+    return not (inside & (_side(c, a, others) >= 0)).any()
 
 
 def strip_triangles(strips: Faces) -> IntArray:

@@ -7,7 +7,7 @@ import re
 
 from remanifold.formats._source import Source
 
-_START = 2048
+START = 2048
 # First bytes, what they are the mark of, and the suffix of what can be read.
 _MARKS: tuple[tuple[bytes, str, str | None], ...] = (
     (rb"ply\s", "a PLY file", ".ply"),
@@ -84,7 +84,7 @@ def advice(source: Source) -> str:
     """What to do with a file that cannot be read; empty where its bytes say nothing."""
     try:
         with source.open() as file:
-            what, suffix = seems(file.read(_START))
+            what, suffix = seems(file.read(START))
     except OSError:
         return ""
     related = ({".npy", ".npz"}, {".las", ".laz"}, {".csv", ".txt", ".tsv"})

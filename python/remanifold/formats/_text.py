@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from remanifold.formats._mesh import Table
+from remanifold.formats._seems import START, seems
 from remanifold.formats._source import Source
 
 _LINES = re.compile(r"\r\n|\n|\r")
@@ -65,6 +66,10 @@ def read_columns(source: Source, usual: str | None, counted: bool = False) -> Ta
 
     With `counted` a first line of one whole number is that of the rows.
     """
+    # A file of another format may look like a table of words and numbers.
+    suffix = seems(source.data[:START])[1]
+    if suffix is not None and suffix not in (".csv", ".txt"):
+        source.fail("is no table")
     lines = split_lines(source.decoded())
     layout = find_layout(lines, usual, counted)
     if layout.separator != usual and layout.separator is not None:
