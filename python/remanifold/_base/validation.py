@@ -61,7 +61,9 @@ def float_rows(points: ArrayLike, name: str) -> NDArray[Any]:
     """Numbers as they are, masked ones as NaN; what they are is for others to check."""
     if isinstance(points, np.ma.MaskedArray) and points.dtype.kind in "biufc":
         kind = np.complex128 if points.dtype.kind == "c" else np.float64
-        return np.asarray(points.astype(kind).filled(np.nan))
+        array = np.array(np.ma.getdata(points), dtype=kind)
+        array[np.ma.getmaskarray(points)] = np.nan
+        return array
     array = _as_array(points, name)
     return array if array.dtype.kind == "c" else _as_float(array, name)
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from remanifold.formats._mesh import FileMesh, Table
-from remanifold.formats._source import FloatArray, Source
+from remanifold.formats._source import Source
 
 # How programs call the columns of a field: the first of these is what is written.
 GROUPS: dict[str, tuple[tuple[str, ...], ...]] = {
@@ -34,11 +34,58 @@ GROUPS: dict[str, tuple[tuple[str, ...], ...]] = {
 }
 # Names of what is measured at a point or counts it, and is no coordinate.
 _ATTRIBUTES = frozenset(
-    "id index idx i no nr num number point pointid point_id row rownum fid objectid gid "
-    "rgb rgba intensity reflectance reflectivity amplitude label labels class classes "
-    "classification category cluster segment target time timestamp times timestamps t "
-    "gps_time gpstime date weight weights confidence scalar curvature radius ring "
-    "return_number number_of_returns density scan".split()
+    [
+        "id",
+        "index",
+        "idx",
+        "i",
+        "no",
+        "nr",
+        "num",
+        "number",
+        "point",
+        "pointid",
+        "point_id",
+        "row",
+        "rownum",
+        "fid",
+        "objectid",
+        "gid",
+        "rgb",
+        "rgba",
+        "intensity",
+        "reflectance",
+        "reflectivity",
+        "amplitude",
+        "label",
+        "labels",
+        "class",
+        "classes",
+        "classification",
+        "category",
+        "cluster",
+        "segment",
+        "target",
+        "time",
+        "timestamp",
+        "times",
+        "timestamps",
+        "t",
+        "gps_time",
+        "gpstime",
+        "date",
+        "weight",
+        "weights",
+        "confidence",
+        "scalar",
+        "curvature",
+        "radius",
+        "ring",
+        "return_number",
+        "number_of_returns",
+        "density",
+        "scan",
+    ]
 )
 _STEM = r"(?:positions?|pos|coord(?:inate)?s?|points?|pt|loc(?:ation)?|vertex|p)"
 _AXIS = (
@@ -276,7 +323,7 @@ def byte_colors(colors: NDArray[Any]) -> NDArray[Any]:
         return colors
     most = colors.max()
     if colors.dtype.kind == "f" and most <= 1:
-        return np.rint(colors * 255).astype(np.uint8)
+        return np.asarray(np.rint(colors * 255).astype(np.uint8))
     if most > 65535 or not _whole(colors):
         return colors
     return np.asarray((colors // 256 if most > 255 else colors).astype(np.uint8))

@@ -89,7 +89,7 @@ class _Scene:
             )
         needed = {*scene.get("extensionsRequired", ())}
         if needed & _COMPRESSED:
-            name = sorted(needed & _COMPRESSED)[0]
+            name = min(needed & _COMPRESSED)
             source.fail(
                 f"is compressed by {name}, which is not read; export it without"
             )
@@ -213,7 +213,7 @@ class _Scene:
             array = self._sparse(array, accessor["sparse"], kind, width)
         if accessor.get("normalized") and not raw and kind.kind in "iu":
             array = np.maximum(array / np.iinfo(kind).max, -1)
-        return array.astype(array.dtype.newbyteorder("="))
+        return np.asarray(array.astype(array.dtype.newbyteorder("=")))
 
     def _sparse(
         self, array: NDArray[Any], sparse: Any, kind: np.dtype[Any], width: int
@@ -246,7 +246,7 @@ class _Scene:
             self.source.fail(f"is damaged or truncated: {what}")
         strides = (step, kind.itemsize)
         rows = np.ndarray((count, width), kind, data, begin if count else 0, strides)
-        return rows.copy()
+        return np.asarray(rows.copy())
 
     def _buffer(self, number: int) -> bytes:
         if number not in self.buffers:
@@ -273,7 +273,7 @@ class _Scene:
 def _matrix(node: Any) -> FloatArray:
     """Where a node puts what is in it."""
     if "matrix" in node:
-        return np.array(node["matrix"], dtype=np.float64).reshape(4, 4).T
+        return np.asarray(np.array(node["matrix"], dtype=np.float64).reshape(4, 4).T)
     matrix = np.eye(4)
     if "rotation" in node:
         x, y, z, w = np.array(node["rotation"], dtype=np.float64)

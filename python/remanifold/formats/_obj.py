@@ -124,10 +124,9 @@ def write_obj(file: IO[bytes], mesh: FileMesh) -> None:
         )
     for size, cells in mesh.cells.items():
         element = "l" if size == 2 else "f"
-        names = map(str, range(1, len(mesh.points) + 1))
+        words = [*map(str, range(1, len(mesh.points) + 1))]
         if normals is not None and size > 2:
-            names = (f"{name}//{name}" for name in names)
-        words = [*names]
+            words = [f"{word}//{word}" for word in words]
         for cell in cells.tolist():
             corners = " ".join([words[corner] for corner in cell])
             file.write(f"{element} {corners}\n".encode())

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -34,7 +35,7 @@ def read_pcd(source: Source, with_fields: bool) -> FileMesh:  # noqa: ARG001  fi
     header, start, line = _header(source)
     dtype, names = _record(source, header)
     if header.data == "ascii":
-        columns = _ascii(source, header, dtype, source.data[start:], line)
+        columns = _ascii(source, header, source.data[start:], line)
     else:
         columns = _binary(source, header, dtype, source.data[start:])
     table = Table([], [])
@@ -158,12 +159,13 @@ def _binary(
         if size > 100 * packed:
             source.fail(f"is damaged: {packed} bytes cannot hold {count} points")
         body = _lzf(source, memoryview(body)[8 : 8 + packed], size)
+        # One field after the other, each of all points.
         columns, place = [], 0
-        for kind, _ in dtype.fields.values() if dtype.fields else ():
-            base, shape = kind.subdtype or (kind, (1,))
-            part = np.frombuffer(body, base, count * shape[0], place)
+        for name in dtype.names or ():
+            kind, width = dtype[name].base, math.prod(dtype[name].shape)
+            part = np.frombuffer(body, kind, count * width, place)
             place += part.nbytes
-            columns.append(part.reshape(count, *shape))
+            columns.append(part.reshape(count, width))
         return columns
     if len(body) < expected:
         found = len(body) // dtype.itemsize
@@ -208,7 +210,7 @@ def _lzf(source: Source, packed: memoryview, size: int) -> bytes:
 
 
 def _ascii(
-    source: Source, header: _Header, dtype: np.dtype[Any], body: bytes, line: int
+    source: Source, header: _Header, body: bytes, line: int
 ) -> list[NDArray[Any]]:
     width = sum(header.counts)
     rows: list[list[str]] = []
@@ -232,9 +234,9 @@ def _ascii(
     place = 0
     kinds = zip(header.kinds, header.sizes, header.counts, header.fields, strict=True)
     for kind, size, count, name in kinds:
-        words = [row[place : place + count] for row in rows]
+        cells = [row[place : place + count] for row in rows]
         place += count
-        columns.append(_parsed(words, f"{_KINDS[kind]}{size}", name))
+        columns.append(_parsed(cells, f"{_KINDS[kind]}{size}", name))
     return columns
 
 

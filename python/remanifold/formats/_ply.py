@@ -96,10 +96,9 @@ def read_ply(source: Source, with_fields: bool) -> FileMesh:
     else:
         columns = [scalars.pop(axis).astype(np.float64) for axis in axes]
         mesh = FileMesh(np.column_stack(columns).reshape(-1, len(axes)))
-    if with_fields:
-        if source.columns is None:
-            # What was written as a wider type than PLY has, by the comments.
-            mesh.fields = gathered(_widened(scalars, comments))
+    if with_fields and source.columns is None:
+        # What was written as a wider type than PLY has, by the comments.
+        mesh.fields = gathered(_widened(scalars, comments))
     if source.cells:
         space = np.zeros((len(mesh.points), 3))
         for i, axis in enumerate(axes):

@@ -74,7 +74,9 @@ def seems(start: bytes) -> tuple[str, str | None]:
         line for line in lines[:-1] if re.match(rb"\s*[-+.\d][-+.,;\d\seE]*$", line)
     ]
     if len(rows) > 1 and len(rows) * 2 > len(lines):
-        if any(b"," in row and b" " not in row.strip() or b";" in row for row in rows):
+        if any(
+            (b"," in row and b" " not in row.strip()) or b";" in row for row in rows
+        ):
             return "a table with commas or semicolons", ".csv"
         return "a table with blanks", ".txt"
     return "", None

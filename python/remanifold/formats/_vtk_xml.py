@@ -9,7 +9,7 @@ import lzma
 import re
 import zlib
 from typing import IO, Any
-from xml.etree import ElementTree
+from xml.etree import ElementTree as ET
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
@@ -66,8 +66,8 @@ class _Reader:
             self.raw = b"raw" in found[1]
             text = source.data[: found.end()] + source.data[end:]
         try:
-            self.root = ElementTree.fromstring(text)
-        except (ElementTree.ParseError, ValueError, LookupError) as error:
+            self.root = ET.fromstring(text)
+        except (ET.ParseError, ValueError, LookupError) as error:
             reason = " ".join(str(error).split())
             source.fail(f"is damaged, truncated or no XML file ({reason})", error)
         found_kind = self.root.get("type")
@@ -104,7 +104,7 @@ class _Reader:
                 mesh.fields[name] = np.concatenate(values)  # type: ignore[arg-type]
         return mesh
 
-    def _piece(self, piece: ElementTree.Element, with_fields: bool) -> FileMesh:
+    def _piece(self, piece: ET.Element, with_fields: bool) -> FileMesh:
         count = self._count(piece, "NumberOfPoints")
         array = piece.find("Points/DataArray")
         points: FloatArray = np.empty((0, 3))
@@ -125,13 +125,13 @@ class _Reader:
                 mesh.fields[name] = values.ravel() if width == 1 else values
         return mesh
 
-    def _count(self, element: ElementTree.Element, key: str, usual: int = 0) -> int:
+    def _count(self, element: ET.Element, key: str, usual: int = 0) -> int:
         text = element.get(key, str(usual)).strip()
         if not (text.isascii() and text.isdecimal()) or len(text) > 15:
             self.source.fail(f"expected a count for {key}, found {text[:60]!r}")
         return int(text)
 
-    def _cells(self, piece: ElementTree.Element) -> tuple[Faces, IntArray]:
+    def _cells(self, piece: ET.Element) -> tuple[Faces, IntArray]:
         groups: list[tuple[Faces, IntArray]] = []
         if self.kind == "UnstructuredGrid":
             number = self._count(piece, "NumberOfCells")
@@ -155,7 +155,7 @@ class _Reader:
         )
         return faces, np.concatenate([types for _, types in groups])
 
-    def _faces(self, cells: ElementTree.Element | None, number: int) -> Faces:
+    def _faces(self, cells: ET.Element | None, number: int) -> Faces:
         if number == 0:
             none = np.empty(0, dtype=np.int64)
             return Faces(none, none)
@@ -169,7 +169,7 @@ class _Reader:
         corners = self._array(arrays["connectivity"], int(ends[-1]), 1)
         return Faces(corners.ravel().astype(np.int64), sizes)
 
-    def _array(self, array: ElementTree.Element, rows: int, width: int) -> NDArray[Any]:
+    def _array(self, array: ET.Element, rows: int, width: int) -> NDArray[Any]:
         """Numbers of a DataArray, in so many rows and columns."""
         name = array.get("Name", "Points")[:60]
         kind = _TYPES.get(array.get("type", ""))
@@ -202,7 +202,7 @@ class _Reader:
             self.source.fail(f"is damaged or truncated: {what}")
         return values.reshape(rows, width)
 
-    def _bytes(self, array: ElementTree.Element, form: str) -> bytes:
+    def _bytes(self, array: ET.Element, form: str) -> bytes:
         if form == "appended":
             data = self.appended[self._count(array, "offset") :]
             if self.raw:

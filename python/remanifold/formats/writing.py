@@ -39,8 +39,6 @@ from remanifold.formats._vtk import write_vtk
 from remanifold.formats._vtk_xml import write_vtp, write_vtu
 
 if TYPE_CHECKING:
-    from typing import Literal
-
     from remanifold.complex.data import ComplexData
 
 
@@ -145,7 +143,7 @@ def write_mesh(
 def write_complex(
     path: StrPath,
     complex: ComplexData,
-    fields: Mapping[str, ArrayLike] | None | Literal["auto"] = "auto",
+    fields: str | Mapping[str, ArrayLike] | None = "auto",
     *,
     format: str | None = None,
 ) -> None:

@@ -21,7 +21,6 @@ from remanifold.formats.writing import check_fields, write_complex
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-    from typing import Literal
 
     from numpy.typing import ArrayLike, NDArray
 
@@ -113,7 +112,7 @@ class SimplicialComplex(ComplexData):
     def write(
         self,
         path: StrPath,
-        fields: Mapping[str, ArrayLike] | None | Literal["auto"] = "auto",
+        fields: str | Mapping[str, ArrayLike] | None = "auto",
         *,
         format: str | None = None,
     ) -> None:
