@@ -282,12 +282,14 @@ def _number(source: Source, name: str, column: NDArray[Any]) -> NDArray[Any]:
 def gathered(scalars: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
     """Put columns that belong together into one field: a_0, a_1; nx, ny, nz; colors."""
     fields = dict(scalars)
+    places = {name: i for i, name in enumerate(scalars)}  # where each field begins
     for name, groups in GROUPS.items():
         folded = {_folded(key): key for key in fields}
         for group, number in itertools.product(groups, (4, 3)):
             parts = group[:number]
             if len(parts) == number and all(part in folded for part in parts):
                 columns = [fields.pop(folded[part]) for part in parts]
+                places[name] = min(places[folded[part]] for part in parts)
                 if name not in fields:
                     values = np.column_stack(columns)
                     fields[name] = _bytes(values) if name == "colors" else values
@@ -298,8 +300,9 @@ def gathered(scalars: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
             lambda part: part in fields, (f"{stem}_{i}" for i in itertools.count())
         )
         if stem and stem not in fields:
+            places[stem] = places[name]
             fields[stem] = np.column_stack([fields.pop(part) for part in [*counted]])
-    return fields
+    return {name: fields[name] for name in sorted(fields, key=places.__getitem__)}
 
 
 def _bytes(colors: NDArray[Any]) -> NDArray[Any]:

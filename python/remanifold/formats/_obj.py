@@ -69,7 +69,7 @@ def _bytes(colors: FloatArray) -> NDArray[Any]:
     """Shares of 255, as they are written with a few digits; other colors stay."""
     scaled = colors * 255 if colors.max(initial=0) <= 1 else colors
     whole = np.rint(scaled)
-    if (np.abs(scaled - whole) > 0.01).any() or not (
+    if (np.abs(scaled - whole) > 0.02).any() or not (
         0 <= whole.min() <= whole.max() < 256
     ):
         return colors

@@ -153,17 +153,18 @@ def _binary(
             what = f"{count} points take {expected} bytes, it has {size}"
             source.fail(f"is damaged: {what}")
         if len(body) - 8 < packed:
-            found = f"{len(body) - 8} of {packed} compressed bytes"
-            source.fail(f"is truncated: expected {count} points, found {found}")
+            rest = f"{len(body) - 8} of {packed} compressed bytes"
+            source.fail(f"is truncated: expected {count} points, found {rest}")
         # A byte stands for at most 264 / 3.
         if size > 100 * packed:
             source.fail(f"is damaged: {packed} bytes cannot hold {count} points")
         body = _lzf(source, memoryview(body)[8 : 8 + packed], size)
         # One field after the other, each of all points.
-        columns, place = [], 0
-        for name in dtype.names or ():
-            kind, width = dtype[name].base, math.prod(dtype[name].shape)
-            part = np.frombuffer(body, kind, count * width, place)
+        columns: list[NDArray[Any]] = []
+        place = 0
+        for key in dtype.names or ():
+            base, width = dtype[key].base, math.prod(dtype[key].shape)
+            part = np.frombuffer(body, base, count * width, place)
             place += part.nbytes
             columns.append(part.reshape(count, width))
         return columns

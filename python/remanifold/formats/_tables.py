@@ -94,7 +94,8 @@ def mesh_of_arrays(
 ) -> FileMesh:
     """Points, simplices and fields from arrays by their names."""
     mesh = _points_among(source, arrays)
-    if not (with_fields or source.cells or source.columns):
+    # Where there are columns these are the fields already.
+    if mesh.table is not None or not (with_fields or source.cells or source.columns):
         return mesh
     count = len(mesh.points)
     if "simplices" in arrays and source.cells:
@@ -122,9 +123,7 @@ def _points_among(source: Source, arrays: dict[str, NDArray[Any]]) -> FileMesh:
         (name,) = names
     elif not names and len(lengths) == 1 and {"x", "y"} <= {k.lower() for k in arrays}:
         table = Table([*arrays.values()], [*arrays])
-        mesh = mesh_of_table(source, table)
-        mesh.fields = {}
-        return mesh
+        return mesh_of_table(source, table)
     elif any(key in names for key in _POINTS):
         name = next(key for key in _POINTS if key in names)
         source.guess(f"of {len(names)} arrays of two dimensions {name!r} is read")

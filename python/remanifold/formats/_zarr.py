@@ -28,6 +28,9 @@ def read_zarr(source: Source, with_fields: bool) -> FileMesh:
             if path.is_dir():
                 content = zarr.open(str(path), mode="r")
             else:
+                if not source.data.startswith(b"PK"):  # or the store is left half made
+                    msg = "neither a folder nor a ZIP archive"
+                    raise ValueError(msg)
                 store = zarr.storage.ZipStore(str(path), mode="r")
                 stack.callback(store.close)
                 content = zarr.open(store, mode="r")

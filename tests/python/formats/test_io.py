@@ -468,7 +468,11 @@ def test_plane_ply(tmp_path):
             "type float or double, found int",
         ),
         ("a.vtu", "<VTKFile", "damaged, truncated"),
-        ("a.vtu", '<VTKFile type="PolyData"/>', "damaged, truncated or of another kind"),
+        (
+            "a.vtu",
+            '<VTKFile type="PolyData"/>',
+            "damaged, truncated or of another kind",
+        ),
         ("a.vtu", "", "damaged, truncated"),
         ("a.vtu", "<html></html>", "damaged, truncated"),
         ("a.npy", b"", "damaged, truncated"),
