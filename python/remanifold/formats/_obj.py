@@ -39,11 +39,13 @@ def read_obj(source: Source, with_fields: bool) -> FileMesh:
                     colors.append(source.floats(number, fields[4:], 3))
             elif with_fields and fields[0] == "vn":
                 normals.append(source.floats(number, fields[1:], 3))
-            elif source.cells and fields[0] in ("f", "fo", "l"):
+            elif fields[0] in ("f", "fo", "l"):
+                own = own and _own_normals(fields[1:])
+                if not source.cells:
+                    continue
                 least = 2 if fields[0] == "l" else 3
                 corners = _corners(source, number, fields[1:], len(points), least)
                 (lines if fields[0] == "l" else faces).append(corners)
-                own = own and _own_normals(fields[1:])
     if not points:
         source.fail("expected lines 'v x y z', found none")
     mesh = FileMesh(np.array(points))

@@ -162,7 +162,9 @@ def reconstruct(
     if isinstance(dim, str) and dim == "auto":
         dim = find_dimension(samples, threads, progress)
     rec = reconstruct_samples(samples, dim, options, threads, progress, rows, count)
-    rec.vertex_attributes.update(known)
+    for name, array in known.items():
+        rec.vertex_attributes[name] = array.copy()
+        rec.vertex_attributes[name].flags.writeable = False
     return rec
 
 

@@ -34,8 +34,8 @@ class Reconstruction(JudgedReconstruction, SimplicialComplex):
         Where the samples stand in the complex: `samples`, or `smoothing.points`; NaN for
         those of `invalid`.
     samples : ndarray, shape (N, D), float64, or None
-        The samples, a view of the given array where that was C-contiguous float64; None
-        where only `gram` or `distances` were given. They are as good vertices as
+        The samples, a view of the given array where that was C-contiguous float64 and no
+        sample is `invalid`; None where only `gram` or `distances` were given. They are as good vertices as
         `vertices`, noise included.
     simplices : ndarray, shape (M, K+1), int32
         K-simplices, rows in the order of their sorted vertices. Columns ascend, but with

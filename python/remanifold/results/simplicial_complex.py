@@ -79,7 +79,8 @@ class SimplicialComplex(ComplexData):
         attributes = check_fields(
             self.vertex_attributes, len(vertices), "vertex_attributes"
         )
-        object.__setattr__(self, "vertex_attributes", attributes)
+        copies = {name: array.copy() for name, array in attributes.items()}
+        object.__setattr__(self, "vertex_attributes", copies)
         super().__post_init__()
 
     def __repr__(self) -> str:
