@@ -86,6 +86,8 @@ def _header(source: Source) -> tuple[_Header, int, int]:
         _take(source, header, words, line)
     if header.points < 0:
         header.points = header.width * header.height
+    if header.points == 0:
+        source.fail("holds no points")
     if not header.fields:
         source.fail("expected a line 'FIELDS ...' in the header")
     header.counts = header.counts or [1] * len(header.fields)

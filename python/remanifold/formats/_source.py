@@ -24,6 +24,7 @@ IntArray: TypeAlias = NDArray[np.int64]
 
 _LARGEST = 2**62  # of an index, so that what is computed of it fits as well
 _CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f\x7f]")
+_LONGEST = 300  # characters of a message
 STANDARD = "-"  # standard input or output
 
 
@@ -144,7 +145,7 @@ class Source:
     ) -> NoReturn:
         """Raise a ValueError that names the file, and the line if it is known."""
         where = self.name if line is None else f"{self.name}, line {line}"
-        msg = f"{where}: {what}"
+        msg = f"{where}: {_one_line(what)}"
         raise ValueError(msg) from cause
 
     def floats(self, line: int, fields: list[str], count: int) -> list[float]:
@@ -175,6 +176,13 @@ class Source:
             found = " ".join(fields)
             self.fail(f"expected indices, found {found[:60]!r}", line=line)
         return values
+
+
+def _one_line(what: str) -> str:
+    """A message, however other libraries put theirs into it."""
+    text = re.sub(r"<[\w.]+ object at 0x[0-9a-f]+>", "something else", what)
+    text = " ".join(text.split())
+    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]} ..."
 
 
 def is_standard(path: StrPath) -> bool:

@@ -409,6 +409,8 @@ class Subcomplex(SimplicialComplex):
     ----------
     vertices, simplices : ndarray
         As in `SimplicialComplex`; there may be none.
+    vertex_attributes : dict of str to ndarray
+        Those of the whole, for the vertices that are here.
     vertex_indices : ndarray, shape (N,), int32
         Number of each vertex in the complex that this is part of, ascending.
     """
