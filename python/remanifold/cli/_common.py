@@ -229,7 +229,9 @@ def describe(error: Exception) -> str:
         where = f"{error.filename}: " if error.filename else ""
         return f"{where}{error.strerror}"
     if isinstance(error, ValueError | TypeError | OSError | ImportError) and str(error):
-        return str(error)
+        # As one writes it here.
+        text = re.sub(r"say format '(\w+)'", r"say --format \1", str(error))
+        return re.sub(r"\bcolumns='([^']*)'", r"--columns \1", text)
     if isinstance(error, MemoryError):
         return f"out of memory: {error}" if str(error) else "out of memory"
     return f"{type(error).__name__}: {error}"

@@ -191,7 +191,7 @@ def _survey_rows(report: dict[str, Any]) -> dict[str, str]:
     if expected is not None:
         parts = []
         if expected["seconds"] is not None:
-            parts.append(f"about {_duration(expected['seconds'])} by one thread")
+            parts.append(f"{_duration(expected['seconds'])} by one thread")
         if expected["bytes"] is not None:
             parts.append(f"{_size(expected['bytes'])} of memory")
         if parts:
@@ -206,7 +206,7 @@ def _duration(seconds: float) -> str:
     for unit, size in (("seconds", 120), ("minutes", 7200), ("hours", np.inf)):
         if seconds < size:
             scale = {"seconds": 1, "minutes": 60, "hours": 3600}[unit]
-            return f"{float(f'{seconds / scale:.1g}'):g} {unit}"
+            return f"about {float(f'{seconds / scale:.1g}'):g} {unit}"
     return ""
 
 

@@ -100,7 +100,20 @@ _PLACES = (
     (("easting", "east", "utm_e", "x_utm"), ("northing", "north", "utm_n", "y_utm")),
     (("lon", "long", "longitude", "lng"), ("lat", "latitude")),
 )
-_HEIGHTS = ("height", "elevation", "elev", "altitude", "alt", "z", "h", "depth")
+_HEIGHTS = (
+    *(
+        "height",
+        "elevation",
+        "elev",
+        "ele",
+        "altitude",
+        "alt",
+        "z",
+        "h",
+        "hgt",
+        "depth",
+    ),
+)
 # Formats of points in space, whatever their columns are called.
 IN_SPACE = frozenset((".xyz", ".asc", ".pts", ".pcd", ".ptx"))
 _LEAST = 10  # rows, below which what columns hold says nothing

@@ -117,7 +117,10 @@ def mesh_of_arrays(
 def _points_among(source: Source, arrays: dict[str, NDArray[Any]]) -> FileMesh:
     names = [key for key, array in arrays.items() if array.ndim == 2]
     lengths = {len(array) for array in arrays.values() if array.ndim == 1}
-    if "points" in arrays:
+    asked = source.columns[0] if source.columns and len(source.columns) == 1 else None
+    if isinstance(asked, str) and asked in names:
+        name, source.columns = asked, None  # an array, not a column of one
+    elif "points" in arrays:
         name = "points"
     elif len(names) == 1:
         (name,) = names
@@ -129,9 +132,10 @@ def _points_among(source: Source, arrays: dict[str, NDArray[Any]]) -> FileMesh:
         source.guess(f"of {len(names)} arrays of two dimensions {name!r} is read")
     else:
         found = ", ".join(f"{key} {array.shape}" for key, array in arrays.items())
+        remedy = f": columns={names[0]!r} would read one of them" if names else ""
         source.fail(
             "expected an array 'points' or a single array of shape (N, D), "
-            f"found {found or 'no arrays'}"
+            f"found {found or 'no arrays'}{remedy}"
         )
     mesh = FileMesh(_matrix(source, f"the array '{name}'", arrays[name]))
     mesh.chosen = name

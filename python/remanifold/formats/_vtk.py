@@ -177,7 +177,8 @@ class _Reader:
         name = self._need().upper()
         if name not in ("POLYDATA", "UNSTRUCTURED_GRID"):
             what = "expected DATASET POLYDATA or UNSTRUCTURED_GRID"
-            self._fail(f"{what}, found {name[:60]!r}")
+            remedy = "save it as one of these"
+            self._fail(f"{what}, found {name[:60]!r}; {remedy}")
 
     def _points(self) -> FloatArray:
         count, kind = self._count(), self._need().lower()

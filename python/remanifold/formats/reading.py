@@ -75,6 +75,7 @@ READERS: dict[str, Callable[[Source, bool], FileMesh]] = {
 WITH_SIMPLICES = (
     *(".npz", ".ply", ".obj", ".off", ".stl", ".vtk", ".vtu", ".vtp", ".glb", ".gltf"),
 )
+_FEW_ROWS, _MANY_COLUMNS = 4, 12  # of what was most likely meant the other way round
 _FOLDERS = (".zarr",)  # formats that are folders
 Columns = str | Sequence[int | str]
 
@@ -256,10 +257,13 @@ def read_file(
         mesh.points = np.ascontiguousarray(mesh.points, dtype=np.float64)
         if mesh.points.size == 0:
             source.fail("holds no points")
-        if asked is not None:
+        if source.columns is not None:
             take_columns(source, mesh)
+        _look_at_shape(source, mesh)
     except ValueError as error:
         more = advice(source)
+        if not more and "truncated" in str(error):
+            more = "copy or export it again"
         if not more:
             raise
         msg = f"{error}; {more}"
@@ -268,6 +272,16 @@ def read_file(
         text = what.replace("COLUMNS", "columns=")
         warnings.warn(f"{source}: {text}", FileWarning, stacklevel=3)
     return source, mesh
+
+
+def _look_at_shape(source: Source, mesh: FileMesh) -> None:
+    """Say where coordinates stand in rows."""
+    count, dim = mesh.points.shape
+    if count <= _FEW_ROWS and dim >= _MANY_COLUMNS:
+        source.guess(
+            f"has {count} points of {dim:,} coordinates: if it holds {dim:,} points, "
+            "transpose it"
+        )
 
 
 def _checked_suffix(path: StrPath, format: str | None, known: tuple[str, ...]) -> str:
@@ -280,13 +294,13 @@ def _checked_suffix(path: StrPath, format: str | None, known: tuple[str, ...]) -
     suffix = suffix_of(path, format, known)
     if suffix not in known:
         what = "points" if known == tuple(READERS) else "simplices"
-        msg = (
-            f"{path}: cannot read {what} from {described(suffix)}; "
-            f"use one of {', '.join(known)}"
-        )
+        more = ""
         if not standard and Path(path).is_file():
             more = advice(Source(path, suffix))
-            msg = f"{msg}; {more}" if more else msg
+        msg = (
+            f"{path}: cannot read {what} from {described(suffix)}; "
+            f"{more or 'use one of ' + ', '.join(known)}"
+        )
         raise ValueError(msg)
     if not standard and not Path(path).exists():
         msg = f"{path}: no such file"

@@ -220,7 +220,7 @@ def expected_seconds(
     """Seconds of one thread, by doing a patch of the samples; None where that says nothing.
 
     Cost is linear, and a patch has a rim that the whole has not: this is right within a
-    factor of three where the samples are clean, and up to five times too little for the
+    factor of four where the samples are clean, and up to five times too little for the
     noisiest.
     """
     rng = np.random.default_rng(0)
