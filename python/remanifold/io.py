@@ -27,6 +27,8 @@ from remanifold._base.files import StrPath
 from remanifold.formats._mesh import choose_simplices, without_degenerate
 from remanifold.formats.reading import (
     WITH_SIMPLICES,
+    PointCloud,
+    read,
     read_fields,
     read_file,
     read_points,
@@ -40,7 +42,9 @@ from remanifold.formats.writing import (
 from remanifold.results.simplicial_complex import SimplicialComplex
 
 __all__ = [
+    "PointCloud",
     "check_output",
+    "read",
     "read_complex",
     "read_fields",
     "read_points",
@@ -59,8 +63,8 @@ def read_complex(
     ----------
     path : str or path-like
         A file that `write_complex` can write, by remanifold or another program:
-        ``.npz``, ``.ply``, ``.obj``, ``.off``, ``.stl``, ``.vtk`` or ``.vtu``. "-" is
-        standard input.
+        ``.npz``, ``.ply``, ``.obj``, ``.off``, ``.stl``, ``.vtk``, ``.vtu``, ``.vtp``,
+        ``.glb`` or ``.gltf``. "-" is standard input.
     dim : int, optional
         Dimension of the simplices to read. By default the highest in the file; all
         others must then be faces of these.
@@ -70,7 +74,8 @@ def read_complex(
     Returns
     -------
     SimplicialComplex
-        All vertices, in the order of the file, and the simplices.
+        All vertices, in the order of the file, the simplices, and what the file says of
+        each vertex as `vertex_attributes`.
 
     Raises
     ------
@@ -87,8 +92,9 @@ def read_complex(
 
     Notes
     -----
-    Polygons are cut into triangles, each from its first corner or, where that does not
-    see all others, from one that does; a polygon without such a corner is refused.
+    Polygons are cut into triangles: from their first corner, where that does not see all
+    others from one that does, else ear by ear. Strips and quadratic cells are cut too;
+    voxels and their like are refused by name.
 
     Examples
     --------
@@ -98,6 +104,8 @@ def read_complex(
     source, mesh = read_file(path, format, cells=True, known=WITH_SIMPLICES)
     simplices = without_degenerate(source, choose_simplices(source, mesh, dim))
     try:
-        return SimplicialComplex(mesh.points, simplices.astype(np.int32))
+        return SimplicialComplex(
+            mesh.points, simplices.astype(np.int32), vertex_attributes=mesh.fields
+        )
     except (ValueError, TypeError) as error:
         source.fail(str(error), error)

@@ -27,4 +27,4 @@ class ManifoldWarning(RemanifoldWarning):
 
 
 class FileWarning(RemanifoldWarning):
-    """Something in a file was left out, because no complex can have it."""
+    """Something in a file was left out, or it was guessed what its columns are."""

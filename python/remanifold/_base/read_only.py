@@ -9,11 +9,12 @@ import numpy as np
 
 
 class ReadOnlyArrays:
-    """Base of dataclasses whose arrays, also those in tuples, are read-only."""
+    """Base of dataclasses whose arrays, also in tuples and dictionaries, are read-only."""
 
     def __post_init__(self) -> None:
         for value in vars(self).values():
-            for array in value if isinstance(value, tuple) else (value,):
+            held = [*value.values()] if isinstance(value, dict) else value
+            for array in held if isinstance(held, tuple | list) else (held,):
                 if isinstance(array, np.ndarray):
                     array.flags.writeable = False
 

@@ -22,8 +22,12 @@ def check_samples(
     points: ArrayLike | None,
     gram: ArrayLike | None = None,
     distances: ArrayLike | None = None,
+    remedy: str = "remove or repair such samples first",
 ) -> Input:
-    """Accept exactly one description of the samples."""
+    """Accept exactly one description of the samples.
+
+    `remedy` says what to do about a number that is none.
+    """
     given = {
         name: value
         for name, value in (
@@ -38,15 +42,30 @@ def check_samples(
         msg = f"give exactly one of points, gram and distances, got {got}"
         raise TypeError(msg)
     if points is not None:
-        return Points(check_points(points))
+        return Points(check_points(points, remedy=remedy))
     if gram is not None:
         return Gram(check_gram(gram))
     return Distances(_real_matrix(distances, "distances", square=True))
 
 
-def check_points(points: ArrayLike, name: str = "points") -> NDArray[np.float64]:
+def check_points(
+    points: ArrayLike,
+    name: str = "points",
+    remedy: str = "remove or repair such samples first",
+) -> NDArray[np.float64]:
     """(N, D) real, or complex read as (N, 2 D) real."""
-    return _real_matrix(points, name)
+    return _real_matrix(points, name, remedy=remedy)
+
+
+def float_rows(points: ArrayLike, name: str) -> NDArray[Any]:
+    """Numbers as they are, masked ones as NaN; what they are is for others to check."""
+    if isinstance(points, np.ma.MaskedArray) and points.dtype.kind in "biufc":
+        kind = np.complex128 if points.dtype.kind == "c" else np.float64
+        array = np.array(np.ma.getdata(points), dtype=kind)
+        array[np.ma.getmaskarray(points)] = np.nan
+        return array
+    array = _as_array(points, name)
+    return array if array.dtype.kind == "c" else _as_float(array, name)
 
 
 def check_gram(gram: ArrayLike) -> NDArray[np.float64]:
@@ -411,7 +430,11 @@ def _as_float(values: Any, name: str) -> NDArray[np.float64]:
 
 
 def _real_matrix(
-    values: ArrayLike | None, name: str, *, square: bool = False
+    values: ArrayLike | None,
+    name: str,
+    *,
+    square: bool = False,
+    remedy: str = "remove or repair such samples first",
 ) -> NDArray[np.float64]:
     raw = _as_array(values, name)
     is_complex = raw.dtype.kind == "c"
@@ -435,13 +458,15 @@ def _real_matrix(
     if array.shape[1] == 0:
         msg = f"{name} has no coordinates: its shape is {array.shape}"
         raise ValueError(msg)
-    _check_finite(raw, array, name)
+    _check_finite(raw, array, name, remedy)
     if is_complex and square:
         _check_hermitian(raw, name)
     return np.ascontiguousarray(array)
 
 
-def _check_finite(raw: NDArray[Any], array: NDArray[np.float64], name: str) -> None:
+def _check_finite(
+    raw: NDArray[Any], array: NDArray[np.float64], name: str, remedy: str
+) -> None:
     """Refuse what is not finite as given or in double precision."""
     if raw.dtype == array.dtype:
         # Nothing that is not finite leaves a sum finite, and a sum takes no memory.
@@ -460,7 +485,7 @@ def _check_finite(raw: NDArray[Any], array: NDArray[np.float64], name: str) -> N
             value += ", infinite in double precision"
     else:
         value = str(array[row, column])
-    msg = f"{name}[{row}, {column}] is {value}; remove or repair such samples first"
+    msg = f"{name}[{row}, {column}] is {value}; {remedy}"
     raise ValueError(msg)
 
 

@@ -5,19 +5,26 @@ from __future__ import annotations
 
 import contextlib
 import json
+import re
 import time
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeVar
 
+import numpy as np
 import typer
+from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from remanifold.formats._source import is_standard
-from remanifold.formats.reading import READERS
+from remanifold.formats._columns import check_columns
+from remanifold.formats._mesh import FileMesh
+from remanifold.formats._source import Source, is_standard
+from remanifold.formats.reading import READERS, read_file
 from remanifold.formats.writing import WRITERS
+
+T = TypeVar("T")
 
 
 def messages_console() -> Console:
@@ -62,6 +69,25 @@ def listed(suffixes: Iterable[str]) -> str:
     return f"{', '.join(first)} or {end}"
 
 
+def complaining(check: Callable[[], T]) -> T:
+    """Say of a refused parameter which option of the command line it is."""
+    try:
+        return check()
+    except (TypeError, ValueError) as error:
+        name, _, what = str(error).partition(" ")
+        hint = f"'--{name.replace('_', '-')}'"
+        text = str(error)
+        if what.startswith("is for"):
+            # As one writes it here: --method paper, not method="paper".
+            text = re.sub(r'(\w+)="(\w+)"', r"--\1 \2", what) + "."
+        raise typer.BadParameter(text, param_hint=hint) from None
+
+
+def _columns(text: str) -> str:
+    complaining(lambda: check_columns(text))
+    return text
+
+
 FORMATS = tuple(suffix[1:] for suffix in {**READERS, **WRITERS})
 FormatOption = Annotated[
     str | None,
@@ -77,6 +103,24 @@ OutputFormatOption = Annotated[
     str | None,
     choice(
         FORMATS, "Format of the output whatever its name.", "by the suffix", "FORMAT"
+    ),
+]
+ColumnsOption = Annotated[
+    str | None,
+    typer.Option(
+        metavar="NAMES|NUMBERS",
+        show_default="by their names, else guessed, which is said",
+        help="Columns of the input that are coordinates: x,y,z or, from 0, 0,1,2. "
+        "The others are fields.",
+        parser=_columns,
+    ),
+]
+DropInvalidOption = Annotated[
+    bool,
+    typer.Option(
+        "--drop-invalid",
+        help="Leave out samples whose coordinates are not finite; the others keep "
+        "their numbers.",
     ),
 ]
 ThreadsOption = Annotated[
@@ -109,6 +153,45 @@ def refuse_same_file(source: Path, output: Path, name: str = "--output") -> None
     if source.exists() and output.exists() and source.samefile(output):
         msg = f"{output}: is the input, which would be lost"
         raise typer.BadParameter(msg, param_hint=f"'{name}'")
+
+
+def read_input(
+    path: Path,
+    format: str | None,
+    columns: str | None,
+    messages: Console,
+    *,
+    fields: bool = True,
+    cells: bool = False,
+    quiet: bool = False,
+) -> tuple[Source, FileMesh, list[str]]:
+    """Read a file and say what was guessed about it; that again, for the report."""
+    source, mesh = read_file(
+        path, format, fields=fields, cells=cells, columns=columns, warn=False
+    )
+    guesses = [
+        f"{source}: {what.replace('COLUMNS', '--columns')}" for what in source.guesses
+    ]
+    if not quiet:
+        for text in guesses:
+            say(messages, f"warning: {text}", "yellow")
+        for text in source.notes:
+            say(messages, f"note: {source}: {text}", "none")
+    return source, mesh, guesses
+
+
+def check_invalid(source: Path, finite: NDArray[np.bool_], drop: bool) -> None:
+    """Say which samples are no points, and refuse to go on unless they may be dropped."""
+    count, first = int((~finite).sum()), int(finite.argmin())
+    if not finite.any():
+        msg = f"{source}: none of {count:,} points has finite coordinates"
+        raise ValueError(msg)
+    if not drop:
+        msg = (
+            f"{source}: {count:,} of {len(finite):,} points are not finite, the first is "
+            f"point {first}; --drop-invalid leaves them out"
+        )
+        raise ValueError(msg)
 
 
 def print_report(
@@ -146,7 +229,9 @@ def describe(error: Exception) -> str:
         where = f"{error.filename}: " if error.filename else ""
         return f"{where}{error.strerror}"
     if isinstance(error, ValueError | TypeError | OSError | ImportError) and str(error):
-        return str(error)
+        # As one writes it here.
+        text = re.sub(r"say format '(\w+)'", r"say --format \1", str(error))
+        return re.sub(r"\bcolumns='([^']*)'", r"--columns \1", text)
     if isinstance(error, MemoryError):
         return f"out of memory: {error}" if str(error) else "out of memory"
     return f"{type(error).__name__}: {error}"

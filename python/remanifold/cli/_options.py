@@ -3,16 +3,14 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any, TypeAlias, TypeVar
+from typing import Annotated, Any, TypeAlias
 
 import typer
 
 from remanifold import _core
 from remanifold._base.validation import check_int, check_positive
-from remanifold.cli._common import choice, listed
+from remanifold.cli._common import choice, complaining, listed
 from remanifold.formats.reading import READERS
 from remanifold.method.options import (
     EDGE_RULES,
@@ -22,7 +20,6 @@ from remanifold.method.options import (
     Options,
 )
 
-T = TypeVar("T")
 BOUNDARIES: dict[str, str | bool] = {"auto": "auto", "closed": False}
 
 
@@ -151,17 +148,3 @@ def options_of(*, boundary: str, outliers: Any, smooth: Any, **others: Any) -> O
             **others,
         )
     )
-
-
-def complaining(check: Callable[[], T]) -> T:
-    """Say of a refused parameter which option of the command line it is."""
-    try:
-        return check()
-    except (TypeError, ValueError) as error:
-        name, _, what = str(error).partition(" ")
-        hint = f"'--{name.replace('_', '-')}'"
-        text = str(error)
-        if what.startswith("is for"):
-            # As one writes it here: --method paper, not method="paper".
-            text = re.sub(r'(\w+)="(\w+)"', r"--\1 \2", what) + "."
-        raise typer.BadParameter(text, param_hint=hint) from None

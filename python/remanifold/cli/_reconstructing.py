@@ -8,12 +8,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
 from rich.console import Console
 
 import remanifold as rm
-from remanifold.cli._common import say, timed
-from remanifold.cli._options import complaining
-from remanifold.io import read_points
+from remanifold.cli._common import check_invalid, complaining, read_input, say, timed
 from remanifold.method.dimension import LOW_CONFIDENCE, low_confidence
 from remanifold.method.options import Options
 
@@ -24,6 +23,7 @@ class Done(NamedTuple):
     rec: rm.Reconstruction
     found: rm.DimensionEstimate | None
     complaints: list[str]
+    guesses: list[str]  # about the file, which were said when it was read
     warned: bool  # of what the result lacks
     seconds: dict[str, float]
 
@@ -38,6 +38,8 @@ def reconstruct_file(
     threads: int | None,
     quiet: bool,
     format: str | None,
+    columns: str | None,
+    drop_invalid: bool,
 ) -> Done:
     """Read, find the dimension if asked to, and reconstruct.
 
@@ -49,13 +51,19 @@ def reconstruct_file(
     complaining(lambda: options.check_dim(assumed))
     check_target(assumed, None)
     seconds: dict[str, float] = {}
-    points, seconds["read"] = timed(lambda: read_points(source, format=format))
+    (_, mesh, guesses), seconds["read"] = timed(
+        lambda: read_input(source, format, columns, messages, quiet=quiet)
+    )
+    points = mesh.points
+    finite = np.isfinite(points).all(axis=1)
+    if not finite.all():
+        check_invalid(source, finite, drop_invalid)
     show_progress = messages.is_terminal and not quiet
     found: rm.DimensionEstimate | None = None
     if isinstance(dim, str):
         found, seconds["dimension"] = timed(
             lambda: rm.estimate_dimension(
-                points, num_threads=threads, progress=show_progress
+                points[finite], num_threads=threads, progress=show_progress
             )
         )
         assert found is not None
@@ -67,10 +75,16 @@ def reconstruct_file(
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", rm.RemanifoldWarning)
         rec = rm.reconstruct(
-            points, dim, **vars(options), num_threads=threads, progress=show_progress
+            points,
+            dim,
+            **vars(options),
+            attributes=mesh.fields,
+            invalid="drop" if drop_invalid else "raise",
+            num_threads=threads,
+            progress=show_progress,
         )
     complaints = [str(warning.message) for warning in caught]
     if found is not None and found.confidence < LOW_CONFIDENCE:
         complaints.insert(0, low_confidence(found))
     warned = any(issubclass(w.category, rm.ManifoldWarning) for w in caught)
-    return Done(rec, found, complaints, warned, seconds)
+    return Done(rec, found, complaints, guesses, warned, seconds)

@@ -5,19 +5,21 @@ from __future__ import annotations
 
 import warnings
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 import typer
 
 import remanifold as rm
 from remanifold.cli._common import (
+    ColumnsOption,
     FormatOption,
     OutputFormatOption,
     examples,
     failures,
     listed,
     messages_console,
+    read_input,
     refuse_same_file,
     say,
     split_formats,
@@ -25,12 +27,11 @@ from remanifold.cli._common import (
 from remanifold.complex.topology import simplex_names
 from remanifold.formats._mesh import FileMesh, choose_simplices, without_degenerate
 from remanifold.formats._source import described, is_standard, suffix_of
-from remanifold.formats.reading import read_file
 from remanifold.formats.writing import (
-    FIELD_WRITERS,
     MESH_WRITERS,
     POINT_WRITERS,
     WRITERS,
+    fitting_fields,
 )
 from remanifold.io import write_mesh, write_points
 
@@ -76,6 +77,7 @@ def convert(
             help="Dimension of the simplices to take.",
         ),
     ] = None,
+    columns: ColumnsOption = None,
     format: FormatOption = None,
     output_format: OutputFormatOption = None,
     quiet: Annotated[
@@ -97,7 +99,15 @@ def convert(
             raise typer.BadParameter(msg, param_hint="'OUTPUT'")
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", rm.RemanifoldWarning)
-            file, mesh = read_file(source, format, cells=not points)
+            file, mesh, _ = read_input(
+                source,
+                format,
+                columns,
+                messages,
+                fields=not points,
+                cells=not points,
+                quiet=quiet,
+            )
             if dim is not None or any(map(len, mesh.cells.values())):
                 cells = without_degenerate(file, choose_simplices(file, mesh, dim))
                 mesh.cells = {cells.shape[1]: cells}
@@ -122,8 +132,9 @@ def convert(
 def _losses(mesh: FileMesh, suffix: str) -> list[str]:
     """Say what a file of this format cannot hold but the mesh has."""
     lost = []
-    if mesh.fields and suffix not in FIELD_WRITERS:
-        lost.append(f"the fields {', '.join(mesh.fields)}")
+    gone = [name for name in mesh.fields if name not in _kept(mesh, suffix)]
+    if gone:
+        lost.append(f"the fields {', '.join(gone)}")
     for size, cells in mesh.cells.items():
         if suffix not in MESH_WRITERS:
             lost.append(f"{len(cells):,} {simplex_names(size - 1)[-1]}")
@@ -143,10 +154,15 @@ def _losses(mesh: FileMesh, suffix: str) -> list[str]:
     return lost
 
 
+def _kept(mesh: FileMesh, suffix: str) -> dict[str, Any]:
+    """Fields that the format holds."""
+    return fitting_fields(f"a{suffix}", mesh.fields)
+
+
 def _write(
     output: Path, output_format: str | None, mesh: FileMesh, suffix: str
 ) -> None:
-    fields = mesh.fields if suffix in FIELD_WRITERS else None
+    fields = _kept(mesh, suffix)
     if mesh.cells and suffix in MESH_WRITERS:
         (cells,) = mesh.cells.values()
         write_mesh(output, mesh.points, cells, fields=fields, format=output_format)
@@ -159,6 +175,6 @@ def _contents(mesh: FileMesh, suffix: str) -> str:
     for size, cells in mesh.cells.items():
         if suffix in MESH_WRITERS:
             parts.append(f"{len(cells):,} {simplex_names(size - 1)[-1]}")
-    if mesh.fields and suffix in FIELD_WRITERS:
-        parts.append(f"fields {', '.join(mesh.fields)}")
+    if kept := _kept(mesh, suffix):
+        parts.append(f"fields {', '.join(kept)}")
     return ", ".join(parts)

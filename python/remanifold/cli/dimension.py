@@ -13,19 +13,22 @@ from rich.table import Table
 
 import remanifold as rm
 from remanifold.cli._common import (
+    ColumnsOption,
+    DropInvalidOption,
     FormatOption,
     JsonOption,
     ThreadsOption,
+    check_invalid,
     examples,
     failures,
     messages_console,
     print_report,
+    read_input,
     rows_table,
     say,
     split_formats,
     timed,
 )
-from remanifold.io import read_points
 from remanifold.method.dimension import LOW_CONFIDENCE, SMALLEST_SCALE, low_confidence
 
 EPILOG = examples(
@@ -47,6 +50,8 @@ def dimension(
             help="The scale to decide at, as neighbors per sample.",
         ),
     ] = None,
+    columns: ColumnsOption = None,
+    drop_invalid: DropInvalidOption = False,
     format: FormatOption = None,
     threads: ThreadsOption = None,
     as_json: JsonOption = False,
@@ -61,7 +66,16 @@ def dimension(
     messages = messages_console()
     with failures(messages):
         format, _ = split_formats(source, None, format, None)
-        points, seconds_read = timed(lambda: read_points(source, format=format))
+        (_, mesh, guesses), seconds_read = timed(
+            lambda: read_input(
+                source, format, columns, messages, fields=False, quiet=quiet
+            )
+        )
+        points = mesh.points
+        finite = np.isfinite(points).all(axis=1)
+        if not finite.all():
+            check_invalid(source, finite, drop_invalid)
+            points = points[finite]
         found, seconds_found = timed(
             lambda: rm.estimate_dimension(
                 points,
@@ -78,6 +92,7 @@ def dimension(
         "ambient_dim": points.shape[1],
         "dim": found.dim,
         **dim_report(found),
+        "warnings": guesses,
         "seconds": {"read": seconds_read, "dimension": seconds_found},
     }
     print_report(report, _dim_table, as_json=as_json)

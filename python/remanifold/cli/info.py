@@ -14,6 +14,7 @@ from rich.table import Table
 
 import remanifold as rm
 from remanifold.cli._common import (
+    ColumnsOption,
     FormatOption,
     JsonOption,
     ThreadsOption,
@@ -21,18 +22,26 @@ from remanifold.cli._common import (
     failures,
     messages_console,
     print_report,
+    read_input,
     rows_table,
     say,
     split_formats,
 )
 from remanifold.complex.topology import simplex_names
-from remanifold.formats._mesh import FileMesh, choose_simplices, without_degenerate
+from remanifold.formats._mesh import (
+    FileMesh,
+    choose_simplices,
+    first_of_equal_rows,
+    without_degenerate,
+)
 from remanifold.formats._source import Source
-from remanifold.formats.reading import read_file
+from remanifold.method.dimension import LOW_CONFIDENCE
+from remanifold.method.survey import MOST, expected_bytes, expected_seconds, survey
 
 EPILOG = examples(
     "remanifold info scan.laz",
     "remanifold info mesh.ply --json",
+    "remanifold info table.csv --columns easting,northing,height",
     "cat points.csv | remanifold info - --format csv",
 )
 
@@ -54,29 +63,44 @@ def info(
             help="Dimension of the simplices whose topology is told.",
         ),
     ] = None,
+    columns: ColumnsOption = None,
+    brief: Annotated[
+        bool,
+        typer.Option(
+            "--brief", help="No dimension, structure, or time that it would take."
+        ),
+    ] = False,
     format: FormatOption = None,
     threads: ThreadsOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Tell what a file of points or a mesh holds.
 
-    Counts, extent, spacing, fields and, of a mesh, its topology.
+    Counts, extent, spacing, fields; of points how they lie, their dimension and what a
+    reconstruction would take; of a mesh its topology.
     """
     messages = messages_console()
     with failures(messages):
         format, _ = split_formats(source, None, format, None)
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", rm.RemanifoldWarning)
-            file, mesh = read_file(source, format, cells=True)
+            file, mesh, guesses = read_input(
+                source, format, columns, messages, cells=True
+            )
+            mesh_there = any(map(len, mesh.cells.values()))
             report = {
                 "input": str(source),
                 "format": file.suffix[1:],
+                "coordinates": mesh.chosen,
                 **_points(mesh.points, threads),
                 "fields": {n: _field(array) for n, array in mesh.fields.items()},
+                **_survey(mesh.points, threads, skip=brief or mesh_there),
                 **_complex(file, mesh, dim),
+                "notes": file.notes,
             }
-        report["warnings"] = [str(warning.message) for warning in caught]
-        for text in report["warnings"]:
+        complaints = [str(warning.message) for warning in caught]
+        report["warnings"] = guesses + complaints
+        for text in complaints:
             say(messages, f"warning: {text}", "yellow")
     print_report(report, lambda told: _table(told, str(file)), as_json=as_json)
 
@@ -97,7 +121,7 @@ def _points(points: NDArray[np.float64], threads: int | None) -> dict[str, Any]:
         low, high = known.min(axis=0), known.max(axis=0)
         report["bounding_box"] = [low.tolist(), high.tolist()]
         report["diagonal"] = float(np.linalg.norm(high - low))
-        distinct = np.unique(known, axis=0)
+        distinct = known[first_of_equal_rows(known)[0]]
         report["coincident_points"] = len(known) - len(distinct)
         if len(distinct) > 1:
             near = rm.neighborhoods(distinct, 1, num_threads=threads).distances[:, 0]
@@ -107,6 +131,90 @@ def _points(points: NDArray[np.float64], threads: int | None) -> dict[str, Any]:
                 "largest": float(near.max()),
             }
     return report
+
+
+def _survey(points: NDArray[Any], threads: int | None, *, skip: bool) -> dict[str, Any]:
+    """How the samples lie and what a reconstruction takes, unless there is a mesh."""
+    report: dict[str, Any] = {
+        "spread": None,
+        "dimension": None,
+        "structure": None,
+        "units": [],
+        "expected": None,
+    }
+    finite = points[np.isfinite(points).all(axis=1)]
+    distinct = finite[first_of_equal_rows(finite)[0]]
+    if skip or len(distinct) < 2:
+        return report
+    found = survey(distinct, threads)
+    report["spread"] = found.spread if np.isfinite(found.spread) else None
+    report["structure"] = found.structure
+    report["units"] = [*found.units]
+    if found.estimate is None:
+        return report
+    estimate = found.estimate
+    report["dimension"] = {
+        "dim": estimate.dim,
+        "confidence": estimate.confidence,
+        "samples": min(len(distinct), MOST),
+        "verdict": estimate.verdict,
+    }
+    report["expected"] = {
+        "seconds": expected_seconds(
+            distinct,
+            estimate.dim,
+            lambda patch, dim: rm.reconstruct(patch, dim, num_threads=1),
+        ),
+        "bytes": expected_bytes(len(distinct), distinct.shape[1], estimate.dim),
+    }
+    return report
+
+
+def _survey_rows(report: dict[str, Any]) -> dict[str, str]:
+    rows = {}
+    if report["spread"] is not None:
+        rows["spread"] = (
+            f"distances to the sixth neighbor vary {report['spread']:.2g}-fold, 5 % to 95 %"
+        )
+    if report["structure"]:
+        rows["structure"] = report["structure"]
+    if report["units"]:
+        rows["units"] = "\n".join(report["units"])
+    found, expected = report["dimension"], report["expected"]
+    if found is not None:
+        sure = "sure" if found["confidence"] >= LOW_CONFIDENCE else "uncertain"
+        few = f", from {found['samples']:,} samples"
+        rows["dimension"] = (
+            f"{found['dim']}, {sure} (confidence {found['confidence']:.2f}"
+            f"{few if found['samples'] < report['num_points'] else ''})"
+        )
+    if expected is not None:
+        parts = []
+        if expected["seconds"] is not None:
+            parts.append(f"{_duration(expected['seconds'])} by one thread")
+        if expected["bytes"] is not None:
+            parts.append(f"{_size(expected['bytes'])} of memory")
+        if parts:
+            rows["it would take"] = ", ".join(parts)
+    return rows
+
+
+def _duration(seconds: float) -> str:
+    """One digit: more of them an estimate has not."""
+    if seconds < 1:
+        return "a second or less"
+    for unit, size in (("seconds", 120), ("minutes", 7200), ("hours", np.inf)):
+        if seconds < size:
+            scale = {"seconds": 1, "minutes": 60, "hours": 3600}[unit]
+            return f"about {float(f'{seconds / scale:.1g}'):g} {unit}"
+    return ""
+
+
+def _size(count: int) -> str:
+    megabytes = count / 1e6
+    if megabytes < 1000:
+        return f"{float(f'{max(megabytes, 1):.2g}'):g} MB"
+    return f"{float(f'{megabytes / 1000:.2g}'):g} GB"
 
 
 def _field(array: NDArray[Any]) -> dict[str, Any]:
@@ -153,6 +261,8 @@ def _table(report: dict[str, Any], name: str) -> Table:
         "file": f"{name}, {report['format']}",
         "points": f"{report['num_points']:,} in R^{report['ambient_dim']}",
     }
+    if report["coordinates"]:
+        rows["coordinates"] = report["coordinates"].removeprefix("coordinates are ")
     if report["not_finite"]:
         rows["not finite"] = f"{report['not_finite']:,}"
     if report["bounding_box"] is not None:
@@ -168,6 +278,7 @@ def _table(report: dict[str, Any], name: str) -> Table:
             f"{spacing['median']:.4g} away in the median, {spacing['least']:.4g} to "
             f"{spacing['largest']:.4g}"
         )
+    rows |= _survey_rows(report)
     if report["fields"]:
         rows["fields"] = "\n".join(
             f"{name}, {_field_text(field)}" for name, field in report["fields"].items()

@@ -11,6 +11,7 @@ import typer
 from rich.table import Table
 
 from remanifold.cli._common import (
+    ColumnsOption,
     FormatOption,
     JsonOption,
     OutputFormatOption,
@@ -20,16 +21,17 @@ from remanifold.cli._common import (
     listed,
     messages_console,
     print_report,
+    read_input,
     refuse_same_file,
     rows_table,
     split_formats,
     timed,
 )
 from remanifold.complex.topology import simplex_names
-from remanifold.formats._source import is_standard, suffix_of
+from remanifold.formats._source import is_standard
 from remanifold.formats.reading import WITH_SIMPLICES
-from remanifold.formats.writing import FIELD_WRITERS, POINT_WRITERS
-from remanifold.io import read_complex, read_points, write_points
+from remanifold.formats.writing import fitting_fields
+from remanifold.io import read_complex, write_points
 
 EPILOG = examples(
     "remanifold project mesh.ply points.csv -o nearest.npz",
@@ -59,8 +61,8 @@ def project(
             "--output",
             "-o",
             show_default="distances are reported, nothing is written",
-            help="File for the nearest points; - is standard output. .npz, .ply, .vtk "
-            "and .vtu also hold the fields distance, simplex and barycentric.",
+            help="File for the nearest points; - is standard output. Most formats "
+            "also hold the fields distance, simplex and barycentric.",
         ),
     ] = None,
     dim: Annotated[
@@ -73,6 +75,7 @@ def project(
             help="Dimension of the simplices to project onto.",
         ),
     ] = None,
+    columns: ColumnsOption = None,
     format: FormatOption = None,
     output_format: OutputFormatOption = None,
     threads: ThreadsOption = None,
@@ -92,7 +95,10 @@ def project(
             refuse_same_file(source, output)
             refuse_same_file(mesh, output)
         complex_ = read_complex(mesh, dim)
-        points = read_points(source, format=format)
+        _, cloud, _ = read_input(
+            source, format, columns, messages, fields=False, quiet=quiet
+        )
+        points = cloud.points
         _check_coordinates(mesh, complex_.ambient_dim, points.shape[1])
         found, seconds = timed(
             lambda: complex_.project(
@@ -137,10 +143,8 @@ def _write(output: Path, output_format: str | None, found: Any) -> None:
         "simplex": found.simplices,
         "barycentric": found.barycentric,
     }
-    holds = suffix_of(output, output_format, POINT_WRITERS) in FIELD_WRITERS
-    write_points(
-        output, found.points, fields=fields if holds else None, format=output_format
-    )
+    kept = fitting_fields(output, fields, output_format)
+    write_points(output, found.points, fields=kept or None, format=output_format)
 
 
 def _table(report: dict[str, Any]) -> Table:

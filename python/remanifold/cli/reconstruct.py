@@ -12,6 +12,8 @@ from rich.table import Table
 
 import remanifold as rm
 from remanifold.cli._common import (
+    ColumnsOption,
+    DropInvalidOption,
     FormatOption,
     JsonOption,
     OutputFormatOption,
@@ -47,13 +49,15 @@ from remanifold.cli._reconstructing import reconstruct_file
 from remanifold.cli.dimension import dim_report
 from remanifold.complex.topology import simplex_names
 from remanifold.formats._source import is_standard
-from remanifold.formats.writing import MESH_WRITERS, holds_fields
+from remanifold.formats.writing import MESH_WRITERS, fitting_fields, write_valid
 from remanifold.io import check_output, write_mesh
 
 EPILOG = examples(
     "remanifold reconstruct scan.ply --dim 2 -o mesh.ply",
     "remanifold reconstruct curve.csv -k 1 -o curve.vtu --json",
     "remanifold reconstruct scan.laz -k auto -o mesh.npz --smooth auto",
+    "remanifold reconstruct table.csv -k 2 -o mesh.ply --columns easting,northing,h",
+    "remanifold reconstruct depth.pcd -k 2 -o mesh.ply --drop-invalid",
     "cat points.txt | remanifold reconstruct - --format txt -k 2 -o mesh.obj",
     "remanifold reconstruct scan.ply -k 2 -o - --format off > mesh.off",
 )
@@ -95,6 +99,8 @@ def reconstruct(
             "format holds it, or nothing.",
         ),
     ] = "auto",
+    columns: ColumnsOption = None,
+    drop_invalid: DropInvalidOption = False,
     format: FormatOption = None,
     output_format: OutputFormatOption = None,
     threads: ThreadsOption = None,
@@ -136,25 +142,29 @@ def reconstruct(
             threads=threads,
             quiet=quiet,
             format=format,
+            columns=columns,
+            drop_invalid=drop_invalid,
         )
         rec = done.rec
         report = _report(rec)
         vertices: Any = rec.samples if keep_positions else rec.vertices
-        kept = fields == "auto" and holds_fields(output, output_format)
+        known = rec.fields() if fields == "auto" else None
+        kept = None if known is None else fitting_fields(output, known, output_format)
         _, seconds_written = timed(
-            lambda: write_mesh(
-                output,
-                vertices,
-                rec.simplices,
-                fields=rec.fields() if kept else None,
-                format=output_format,
+            lambda: (write_valid if len(rec.invalid) else write_mesh)(
+                output, vertices, rec.simplices, fields=kept, format=output_format
             )
         )
+        lost = [n for n in rec.vertex_attributes if kept is not None and n not in kept]
 
     seconds = {**done.seconds, **report["seconds"], "write": seconds_written}
     if done.found is not None:
         report["dim_estimate"] = dim_report(done.found)
     complaints = done.complaints + _complaints(report, done.warned)
+    if lost and not quiet:
+        suffix = output.suffix if output_format is None else output_format
+        text = f"note: {suffix} has no room for {', '.join(lost)}"
+        say(messages, text, "none")
     paper = method == "paper"
     report = {
         "input": str(source),
@@ -162,7 +172,7 @@ def reconstruct(
         **report,
         "boundary": None if paper else boundary,
         "seconds": seconds,
-        "warnings": complaints,
+        "warnings": done.guesses + complaints,
     }
     if not quiet:
         for text in complaints:
@@ -197,6 +207,7 @@ def _report(rec: rm.Reconstruction) -> dict[str, Any]:
         "orientable": topology.orientable,
         "boundary_samples": int(rec.boundary.sum()),
         "merged_samples": repair.merged_samples,
+        "invalid_samples": len(rec.invalid),
         "outliers": len(rec.outliers),
         "smoothing": _smoothing_report(rec.smoothing),
         "unused_samples": len(repair.unused_vertices),
@@ -315,6 +326,11 @@ def _table(report: dict[str, Any]) -> Table:
         "closed": yes_no[report["closed"]],
         "orientable": yes_no[report["orientable"]],
         "boundary samples": f"{report['boundary_samples']:,}",
+        **(
+            {"not finite": f"{report['invalid_samples']:,}, left out"}
+            if report["invalid_samples"]
+            else {}
+        ),
         "outliers": f"{report['outliers']:,}",
         **(
             {}

@@ -13,6 +13,8 @@ import typer
 
 from remanifold._base.optional import load
 from remanifold.cli._common import (
+    ColumnsOption,
+    DropInvalidOption,
     FormatOption,
     ThreadsOption,
     examples,
@@ -64,6 +66,8 @@ def report(
     estimator: Estimator = None,
     edges: Edges = None,
     search: Search = "auto",
+    columns: ColumnsOption = None,
+    drop_invalid: DropInvalidOption = False,
     format: FormatOption = None,
     threads: ThreadsOption = None,
     quiet: Quiet = False,
@@ -103,6 +107,8 @@ def report(
             threads=threads,
             quiet=quiet,
             format=format,
+            columns=columns,
+            drop_invalid=drop_invalid,
         )
         command = shlex.join([*_program(), *sys.argv[1:]])
         write_report(done.rec, output, title or source.name, command)

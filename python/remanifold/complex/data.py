@@ -32,6 +32,9 @@ class ComplexData(ReadOnlyArrays):
 
     vertices: NDArray[np.float64] | None
     simplices: NDArray[np.int32]
+    vertex_attributes: dict[str, NDArray[Any]] = field(
+        default_factory=dict, kw_only=True
+    )
     # How the samples are known where they have no coordinates.
     _products: Input | None = field(default=None, kw_only=True)
 
@@ -133,8 +136,11 @@ class ComplexData(ReadOnlyArrays):
         """The spatial index, made when first asked for."""
         index = vars(self).get("_search_index")
         if index is None:
+            coordinates = self.coordinates
+            if not np.isfinite(coordinates).all():  # of vertices in no simplex
+                coordinates = np.nan_to_num(coordinates)
             index = _core.SimplexSearch(
-                self.coordinates, self.simplices, num_threads, progress
+                coordinates, self.simplices, num_threads, progress
             )
             vars(self)["_search_index"] = index
         return index

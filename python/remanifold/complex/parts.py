@@ -29,6 +29,7 @@ def take(whole: ComplexData, simplices: NDArray[np.int32]) -> Part:
     return Part(
         vertices=None if whole.vertices is None else whole.vertices[used],
         simplices=np.searchsorted(used, simplices).astype(np.int32),
+        vertex_attributes={n: a[used] for n, a in whole.vertex_attributes.items()},
         _products=products,
         vertex_indices=used,
     )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""glTF 2.0, which web pages and Blender show: written only, in single precision."""
+"""glTF 2.0, which web pages and Blender show: written in single precision."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from remanifold.formats._columns import byte_colors
 from remanifold.formats._mesh import FileMesh
 
 _FLOAT, _UBYTE, _UINT = 5126, 5121, 5125
@@ -67,10 +68,14 @@ def _scene(mesh: FileMesh) -> tuple[dict[str, Any], bytes]:
         width = 1 if array.ndim == 1 else array.shape[1]
         if name == "normals" and width == 3:
             attributes["NORMAL"] = buffer.add(array.astype("<f4"), _FLOAT, _VERTICES)
-        elif name == "colors" and array.dtype == np.uint8 and width in (3, 4):
+        elif (
+            name == "colors"
+            and byte_colors(array).dtype == np.uint8
+            and width in (3, 4)
+        ):
             # Four bytes each: vertices begin at multiples of four.
             colors = np.full((len(array), 4), 255, dtype=np.uint8)
-            colors[:, :width] = array
+            colors[:, :width] = byte_colors(array)
             attributes["COLOR_0"] = buffer.add(colors, _UBYTE, _VERTICES)
             buffer.accessors[-1]["normalized"] = True
         elif width in _WIDTHS:

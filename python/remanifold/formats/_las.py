@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from remanifold.formats._columns import gathered
 from remanifold.formats._mesh import FileMesh
 from remanifold.formats._source import Source
 
@@ -15,7 +16,7 @@ _HINT = "reading .las and .laz needs laspy and lazrs: pip install remanifold[las
 _CHUNK = 1_000_000  # points that are decompressed together
 
 
-def read_las(source: Source, cells: bool) -> FileMesh:
+def read_las(source: Source, with_fields: bool) -> FileMesh:
     """Read points, scaled and moved as the header says, and all that goes with them."""
     try:
         import laspy
@@ -32,7 +33,7 @@ def read_las(source: Source, cells: bool) -> FileMesh:
             laspy.open(file, closefd=False, laz_backend=laspy.LazBackend.Lazrs) as las,
         ):
             expected = int(las.header.point_count)
-            names = [*las.header.point_format.dimension_names] if cells else []
+            names = [*las.header.point_format.dimension_names] if with_fields else []
             for part in las.chunk_iterator(_CHUNK):
                 axes = [np.asarray(getattr(part, a), dtype=np.float64) for a in "xyz"]
                 chunk: dict[str, Any] = {"": np.column_stack(axes)}
@@ -51,7 +52,12 @@ def read_las(source: Source, cells: bool) -> FileMesh:
     if not chunks:
         return FileMesh(np.empty((0, 3)))
     arrays = {name: np.concatenate([c[name] for c in chunks]) for name in chunks[0]}
-    return FileMesh(arrays.pop(""), {}, arrays)
+    mesh = FileMesh(arrays.pop(""))
+    mesh.fields = gathered(arrays)
+    if np.ptp(mesh.fields.get("colors", np.ones(1)), axis=None) == 0:
+        # Files of formats with colors often have none: all black or all white.
+        mesh.fields.pop("colors", None)
+    return mesh
 
 
 def _check_header(source: Source) -> None:

@@ -6,7 +6,7 @@ from __future__ import annotations
 import itertools
 import warnings
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,12 +23,29 @@ def simplex_name(dim: int) -> str:
 
 
 @dataclass
+class Table:
+    """Columns of one length as they stand in a file, with their names if they have any.
+
+    Empty names are those of columns that have none beside others that have.
+    """
+
+    columns: list[NDArray[Any]]
+    names: list[str] | None = None
+
+
+@dataclass
 class FileMesh:
-    """Points, simplices by their number of corners, and values at the points."""
+    """Points, simplices by their number of corners, and values at the points.
+
+    `table` has the columns of the file where these are not the coordinates followed by
+    the fields; `chosen` says in words which of them became coordinates.
+    """
 
     points: FloatArray
     cells: dict[int, IntArray] = field(default_factory=dict)
     fields: dict[str, NDArray[Any]] = field(default_factory=dict)
+    table: Table | None = None
+    chosen: str = ""
 
 
 @dataclass
@@ -75,18 +92,18 @@ def simplices_of_faces(
         which = np.flatnonzero(faces.sizes == size)
         corners = faces.corners[starts[which][:, None] + np.arange(size)]
         rows = places[which][:, None] + np.arange(size - 2)
-        triangles[rows] = _fans(source, points, corners, which)
+        triangles[rows] = _triangulated(source, points, corners, which)
     cells[3] = triangles
     return cells
 
 
-def _fans(
+def _triangulated(
     source: Source, points: FloatArray, polygons: IntArray, numbers: IntArray
 ) -> IntArray:
-    """Triangles of each polygon, (M, n - 2, 3), all with the corner that sees the rest.
+    """Triangles of each polygon, (M, n - 2, 3).
 
-    A convex polygon is cut from its first corner. For others the corner is looked for
-    whose triangles all lie to the same side; where there is none the polygon is refused.
+    A convex polygon is cut from its first corner, others from one whose triangles all
+    lie to the same side; where there is none ears are cut off.
     """
     size = polygons.shape[1]
     steps = np.arange(1, size - 1)
@@ -99,17 +116,14 @@ def _fans(
         # The first corner, unless another one is better by more than rounding.
         sees = worst >= -1e-9
         best = np.where(sees.any(axis=1), sees.argmax(axis=1), -1)
-        if (best < 0).any():
-            at = int(numbers[int((best < 0).argmax())])
-            source.fail(
-                f"face {at} has {size} corners and none that sees all others; "
-                "triangulate the mesh first"
-            )
     first = np.broadcast_to(best[:, None], (len(polygons), size - 2))
     second = (best[:, None] + steps) % size
     third = (best[:, None] + steps + 1) % size
     local = np.stack([first, second, third], axis=2)
-    return np.asarray(polygons[np.arange(len(polygons))[:, None, None], local])
+    cut = np.asarray(polygons[np.arange(len(polygons))[:, None, None], local])
+    for row in np.flatnonzero(best < 0).tolist():
+        cut[row] = _clipped_ears(source, points, polygons[row], int(numbers[row]))
+    return cut
 
 
 def _least_areas(points: FloatArray, polygons: IntArray) -> FloatArray:
@@ -132,6 +146,86 @@ def _least_areas(points: FloatArray, polygons: IntArray) -> FloatArray:
         )
         worst[:, apex] = areas.min(axis=1)
     return worst
+
+
+def _clipped_ears(
+    source: Source, points: FloatArray, polygon: IntArray, number: int
+) -> IntArray:
+    """Triangles of a polygon that no corner sees all of, (n - 2, 3).
+
+    One corner after the other is cut off whose triangle holds no other corner: every
+    simple polygon has two of them (Meisters, 1975).
+    """
+    corners = np.zeros((len(polygon), 3))
+    corners[:, : points.shape[1]] = points[polygon]
+    corners -= corners.mean(axis=0)
+    normal = np.cross(corners, np.roll(corners, -1, axis=0)).sum(axis=0)
+    drop = int(np.abs(normal).argmax())
+    flat = np.delete(corners, drop, axis=1)
+    if (normal[drop] < 0) != (drop == 1):
+        flat[:, 0] *= -1  # counterclockwise
+    left = list(range(len(polygon)))
+    triangles = []
+    if _crosses_itself(flat):
+        _refuse_crossing(source, number, len(polygon))
+    while len(left) > 3:
+        for i in range(len(left)):
+            a, b, c = left[i - 1], left[i], left[(i + 1) % len(left)]
+            others = np.array([k for k in left if k not in (a, b, c)])
+            if _is_ear(flat[a], flat[b], flat[c], flat[others]):
+                triangles.append([a, b, c])
+                del left[i]
+                break
+        else:
+            _refuse_crossing(source, number, len(polygon))
+    triangles.append(left)
+    return np.asarray(polygon[np.array(triangles)])
+
+
+def _refuse_crossing(source: Source, number: int, size: int) -> NoReturn:
+    source.fail(
+        f"face {number} has {size} corners and crosses itself; triangulate the mesh first"
+    )
+
+
+def _side(p: FloatArray, q: FloatArray, r: FloatArray) -> Any:
+    """Twice the signed area of a triangle: on which side of pq the third corner is."""
+    u, v = q - p, r - p
+    return u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
+
+
+def _crosses_itself(flat: FloatArray) -> bool:
+    """Whether two sides of a polygon cross in their interiors."""
+    begin, end = flat, np.roll(flat, -1, axis=0)
+    a, b, c, d = begin[:, None], end[:, None], begin[None], end[None]
+    apart = _side(a, b, c) * _side(a, b, d) < 0
+    return bool((apart & (_side(c, d, a) * _side(c, d, b) < 0)).any())
+
+
+def _is_ear(a: FloatArray, b: FloatArray, c: FloatArray, others: FloatArray) -> bool:
+    if _side(a, b, c) <= 0:
+        return False
+    inside = (_side(a, b, others) >= 0) & (_side(b, c, others) >= 0)
+    return not (inside & (_side(c, a, others) >= 0)).any()
+
+
+def strip_triangles(strips: Faces) -> IntArray:
+    """Triangles of strips: each corner with the two before, every second one turned.
+
+    An index of -1 begins another strip.
+    """
+    starts = np.cumsum(strips.sizes)
+    first = np.zeros(len(strips.corners) + 1, dtype=np.bool_)
+    first[starts - strips.sizes] = True
+    first = first[:-1]
+    first[1:] |= strips.corners[:-1] < 0
+    # Place of each corner in its strip.
+    places = np.arange(len(first))
+    places = places - np.maximum.accumulate(np.where(first, places, 0))
+    third = np.flatnonzero((places > 1) & (strips.corners >= 0))
+    odd = places[third] % 2
+    second, before = third - 1 - odd, third - 2 + odd
+    return np.asarray(strips.corners[np.column_stack([before, second, third])])
 
 
 def polyline_edges(lines: list[list[int]]) -> IntArray:

@@ -4,10 +4,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import IO
+from typing import IO, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from remanifold.formats._columns import byte_colors
 from remanifold.formats._mesh import (
     Faces,
     FileMesh,
@@ -15,14 +17,17 @@ from remanifold.formats._mesh import (
     polyline_edges,
     simplices_of_faces,
 )
-from remanifold.formats._source import Source
+from remanifold.formats._source import FloatArray, Source
 
 
-def read_obj(source: Source, cells: bool) -> FileMesh:
-    """Read vertices, polylines and faces; texture and normals are skipped."""
+def read_obj(source: Source, with_fields: bool) -> FileMesh:
+    """Read vertices, polylines and faces; colors and normals where vertices have them."""
     points: list[list[float]] = []
+    colors: list[list[float]] = []
+    normals: list[list[float]] = []
     faces: list[list[int]] = []
     lines: list[list[int]] = []
+    own = True  # whether each corner has the normal of the number of its vertex
     with source.text() as file:
         for number, text in _whole_lines(file):
             fields = text.split()
@@ -30,19 +35,47 @@ def read_obj(source: Source, cells: bool) -> FileMesh:
                 continue
             if fields[0] == "v":
                 points.append(source.floats(number, fields[1:], 3))
-            elif cells and fields[0] in ("f", "fo", "l"):
+                if with_fields and len(fields) >= 7:
+                    colors.append(source.floats(number, fields[4:], 3))
+            elif with_fields and fields[0] == "vn":
+                normals.append(source.floats(number, fields[1:], 3))
+            elif fields[0] in ("f", "fo", "l"):
+                own = own and _own_normals(fields[1:])
+                if not source.cells:
+                    continue
                 least = 2 if fields[0] == "l" else 3
                 corners = _corners(source, number, fields[1:], len(points), least)
                 (lines if fields[0] == "l" else faces).append(corners)
     if not points:
         source.fail("expected lines 'v x y z', found none")
     mesh = FileMesh(np.array(points))
-    if faces:
+    if len(colors) == len(points):
+        mesh.fields["colors"] = _bytes(np.array(colors))
+    if own and len(normals) == len(points):
+        mesh.fields["normals"] = np.array(normals)
+    if faces and source.cells:
         mesh.cells = simplices_of_faces(source, mesh.points, Faces.of(faces))
-    if lines:
+    if lines and source.cells:
         mesh.cells[2] = polyline_edges(lines)
         check_corners(source, mesh.cells[2], len(points))
     return mesh
+
+
+def _own_normals(fields: list[str]) -> bool:
+    """Whether no corner of a face names a normal of another number than its own."""
+    parts = [field.split("/") for field in fields]
+    return all(len(part) < 3 or part[2] in ("", part[0]) for part in parts)
+
+
+def _bytes(colors: FloatArray) -> NDArray[Any]:
+    """Shares of 255, as they are written with a few digits; other colors stay."""
+    scaled = colors * 255 if colors.max(initial=0) <= 1 else colors
+    whole = np.rint(scaled)
+    if (np.abs(scaled - whole) > 0.02).any() or not (
+        0 <= whole.min() <= whole.max() < 256
+    ):
+        return colors
+    return whole.astype(np.uint8)
 
 
 def _whole_lines(file: IO[str]) -> Iterator[tuple[int, str]]:
@@ -77,11 +110,25 @@ def _corners(
 
 
 def write_obj(file: IO[bytes], mesh: FileMesh) -> None:
-    """Write vertices, then edges or triangles."""
-    file.writelines(
-        f"v {x!r} {y!r} {z!r}\n".encode() for x, y, z in mesh.points.tolist()
-    )
+    """Write vertices, with their colors after them, normals, then edges or triangles."""
+    colors = mesh.fields.get("colors")
+    rows = mesh.points
+    if colors is not None:
+        shares = byte_colors(colors)[:, :3].astype(np.float64)
+        rows = np.column_stack(
+            [rows, shares / 255 if shares.max(initial=0) > 1 else shares]
+        )
+    file.writelines(f"v {' '.join(map(repr, row))}\n".encode() for row in rows.tolist())
+    normals = mesh.fields.get("normals")
+    if normals is not None:
+        file.writelines(
+            f"vn {x!r} {y!r} {z!r}\n".encode() for x, y, z in normals.tolist()
+        )
     for size, cells in mesh.cells.items():
         element = "l" if size == 2 else "f"
-        for cell in (cells + 1).tolist():
-            file.write(f"{element} {' '.join(map(str, cell))}\n".encode())
+        words = [*map(str, range(1, len(mesh.points) + 1))]
+        if normals is not None and size > 2:
+            words = [f"{word}//{word}" for word in words]
+        for cell in cells.tolist():
+            corners = " ".join([words[corner] for corner in cell])
+            file.write(f"{element} {corners}\n".encode())

@@ -5,41 +5,60 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from typing import IO
+from typing import IO, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from remanifold.formats._columns import byte_colors
 from remanifold.formats._mesh import Faces, FileMesh, simplices_of_faces
-from remanifold.formats._source import Source
+from remanifold.formats._source import FloatArray, Source
 
 Lines = Iterator[tuple[int, list[str]]]
 
 
-def read_off(source: Source, cells: bool) -> FileMesh:
-    """Read vertices and faces; colors and normals are skipped."""
+def read_off(source: Source, with_fields: bool) -> FileMesh:
+    """Read vertices and faces, colors and normals where the first word says so."""
     with source.text() as file:
         lines = (
             (number, content)
             for number, text in enumerate(file, 1)
             if (content := text.partition("#")[0].split())
         )
-        dim, count, num_faces = _header(source, lines)
+        kind, dim, count, num_faces = _header(source, lines)
         points: list[list[float]] = []
+        others: list[list[float]] = []
         while len(points) < count:
             line, fields = next(lines, (0, []))
             if not fields:
                 what = f"expected {count} vertices, found {len(points)}"
                 source.fail(f"is truncated: {what}")
             points.append(source.floats(line, fields, dim))
+            if with_fields and kind and len(fields) > dim:
+                rest = fields[dim:]
+                others.append(source.floats(line, rest, len(rest)))
         mesh = FileMesh(np.array(points).reshape(count, dim))
-        if cells:
+        if count and len(others) == count and len({*map(len, others)}) == 1:
+            mesh.fields = _fields(kind, dim, np.array(others))
+        if source.cells:
             faces = _faces(source, lines, num_faces)
             mesh.cells = simplices_of_faces(source, mesh.points, faces)
     return mesh
 
 
-def _header(source: Source, lines: Lines) -> tuple[int, int, int]:
-    """Give the dimension and the numbers of vertices and of faces."""
+def _fields(kind: str, dim: int, others: FloatArray) -> dict[str, NDArray[Any]]:
+    """What follows the coordinates: normals (N), then colors (C)."""
+    fields: dict[str, NDArray[Any]] = {}
+    if "N" in kind and others.shape[1] >= dim:
+        fields["normals"] = others[:, :dim]
+        others = others[:, dim:]
+    if "C" in kind and others.shape[1] >= 3:
+        fields["colors"] = byte_colors(others[:, :4])
+    return fields
+
+
+def _header(source: Source, lines: Lines) -> tuple[str, int, int, int]:
+    """Give the letters before OFF, the dimension, and the numbers of vertices and faces."""
     line, fields = next(lines, (1, [""]))
     header = re.fullmatch(r"(ST)?C?N?(n?)OFF", fields[0])
     if header is None or "BINARY" in fields:
@@ -56,7 +75,8 @@ def _header(source: Source, lines: Lines) -> tuple[int, int, int]:
     num_faces = int(number) if number.isascii() and number.isdecimal() else -1
     if dim == 0:
         source.fail("has points without coordinates", line=line)
-    return dim, source.count(*counts[0]), num_faces
+    kind = header[0].partition("OFF")[0].removeprefix("ST")
+    return kind, dim, source.count(*counts[0]), num_faces
 
 
 def _faces(source: Source, lines: Lines, count: int) -> Faces:
@@ -76,12 +96,27 @@ def _faces(source: Source, lines: Lines, count: int) -> Faces:
 
 
 def write_off(file: IO[bytes], mesh: FileMesh) -> None:
-    """Write OFF up to R^3, nOFF beyond."""
+    """Write OFF up to R^3, nOFF beyond; with N for normals, C for colors."""
     count, dim = mesh.points.shape
     cells = next(iter(mesh.cells.values()), np.empty((0, 3), dtype=np.int64))
-    start = "OFF\n" if dim == 3 else f"nOFF\n{dim} "
+    rows = [[*map(repr, row)] for row in mesh.points.tolist()]
+    kind = ""
+    if "normals" in mesh.fields:
+        kind = "N"
+        for row, normal in zip(rows, mesh.fields["normals"].tolist(), strict=True):
+            row += map(repr, normal)
+    if "colors" in mesh.fields:
+        kind = f"C{kind}"
+        # Readers want four numbers.
+        given = byte_colors(mesh.fields["colors"])
+        colors = np.full((count, 4), 255 if given.dtype == np.uint8 else 1.0)
+        colors[:, : given.shape[1]] = given
+        if given.dtype == np.uint8:
+            colors = colors.astype(np.uint8)
+        for row, color in zip(rows, colors.tolist(), strict=True):
+            row += map(repr, color)
+    start = f"{kind}OFF\n" if dim == 3 else f"{kind}nOFF\n{dim} "
     file.write(f"{start}{count} {len(cells)} 0\n".encode())
-    for row in mesh.points.tolist():
-        file.write(f"{' '.join(map(repr, row))}\n".encode())
+    file.writelines(f"{' '.join(row)}\n".encode() for row in rows)
     for cell in cells.tolist():
         file.write(f"{len(cell)} {' '.join(map(str, cell))}\n".encode())

@@ -3,14 +3,21 @@
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import dataclass, field
 from typing import IO, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from remanifold.formats._mesh import Faces, FileMesh, check_corners, simplices_of_faces
+from remanifold.formats._columns import GROUPS, byte_colors, gathered, mesh_of_table
+from remanifold.formats._mesh import (
+    Faces,
+    FileMesh,
+    Table,
+    check_corners,
+    simplices_of_faces,
+    strip_triangles,
+)
 from remanifold.formats._source import FloatArray, IntArray, Source
 
 _TYPES = {
@@ -33,11 +40,6 @@ _ENCODINGS = {
     "ascii": "ascii",
     "binary_little_endian": "<",
     "binary_big_endian": ">",
-}
-# How other programs call the columns of a field.
-COLUMNS = {
-    "normals": ("nx", "ny", "nz"),
-    "colors": ("red", "green", "blue", "alpha"),
 }
 
 
@@ -65,47 +67,76 @@ class _Table:
     lists: dict[str, Faces]
 
 
-def read_ply(source: Source, cells: bool) -> FileMesh:
+def read_ply(source: Source, with_fields: bool) -> FileMesh:
     """Read vertices with their properties, edges, and faces."""
     with source.open() as file:
-        encoding, elements, line = _header(source, file)
+        encoding, elements, line, comments = _header(source, file)
         body = file.read()
     vertex = next((e for e in elements if e.name == "vertex"), None)
     if vertex is None:
         source.fail("expected an element 'vertex', found none")
     names = [name for name, _, _ in vertex.properties]
     axes = [axis for axis in "xyz" if axis in names]
-    if len(axes) < 2:
+    if len(axes) < 2 and source.columns is None:
         found = ", ".join(names) or "none"
         source.fail(f"expected vertex properties x, y, z, found {found}")
     reader = _Reader(source, body, encoding, line)
     tables: dict[str, _Table] = {}
     for element in elements:
-        if not cells and "vertex" in tables:
+        if not source.cells and "vertex" in tables:
             break
         tables[element.name] = reader.element(element)
     scalars = tables["vertex"].scalars
-    if not {*axes} <= {*scalars}:
+    if source.columns is None and not {*axes} <= {*scalars}:
         source.fail("expected numbers x, y, z, found lists")
-    columns = [scalars.pop(axis).astype(np.float64) for axis in axes]
-    mesh = FileMesh(np.column_stack(columns).reshape(-1, len(axes)))
-    if cells:
-        mesh.fields = _gathered(scalars)
-        mesh.cells = _simplices(source, mesh.points, tables)
+    table = Table([*scalars.values()], [*scalars])
+    if source.columns is not None:
+        mesh = mesh_of_table(source, table)
+        axes = [axis for axis in axes if axis in scalars]
+    else:
+        columns = [scalars.pop(axis).astype(np.float64) for axis in axes]
+        mesh = FileMesh(np.column_stack(columns).reshape(-1, len(axes)))
+    if with_fields and source.columns is None:
+        # What was written as a wider type than PLY has, by the comments.
+        mesh.fields = gathered(_widened(scalars, comments))
+    if source.cells:
+        space = np.zeros((len(mesh.points), 3))
+        for i, axis in enumerate(axes):
+            space[:, i] = columns[i] if source.columns is None else scalars[axis]
+        mesh.cells = _simplices(source, space, tables)
     return mesh
+
+
+def _widened(
+    scalars: dict[str, NDArray[Any]], comments: list[str]
+) -> dict[str, NDArray[Any]]:
+    """Whole numbers that `write_ply` wrote as doubles, for PLY has none of 64 bits."""
+    wide = dict(scalars)
+    for comment in comments:
+        kind, _, name = comment.removeprefix(_WIDE).partition(" ")
+        if not comment.startswith(_WIDE) or kind not in ("int64", "uint64"):
+            continue
+        values = wide.get(name)
+        if values is not None and (np.abs(values) <= 2.0**53).all():
+            wide[name] = values.astype(kind)
+    return wide
 
 
 def _simplices(
     source: Source, points: FloatArray, tables: dict[str, _Table]
 ) -> dict[int, IntArray]:
-    if tables.get("tristrips"):
-        source.fail("holds triangle strips, which are not read; triangulate it first")
     cells: dict[int, IntArray] = {}
     lists = tables["face"].lists if "face" in tables else {}
     names = [n for n in ("vertex_indices", "vertex_index") if n in lists]
     if names:
         faces = lists[names[0]]
         cells = simplices_of_faces(source, points, faces)
+    for strips in tables["tristrips"].lists.values() if "tristrips" in tables else ():
+        held = strips.corners[strips.corners != -1]
+        check_corners(source, held, len(points))
+        cells[3] = np.vstack(
+            [*([cells[3]] if 3 in cells else []), strip_triangles(strips)]
+        )
     edges = tables["edge"].scalars if "edge" in tables else {}
     if {"vertex1", "vertex2"} <= {*edges}:
         pairs = np.column_stack([edges["vertex1"], edges["vertex2"]]).astype(np.int64)
@@ -114,31 +145,15 @@ def _simplices(
     return cells
 
 
-def _gathered(scalars: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
-    """Put columns that belong together into one field: a_0, a_1; nx, ny, nz; colors."""
-    fields = dict(scalars)
-    for name, columns in COLUMNS.items():
-        for number in (4, 3):
-            parts = columns[:number]
-            if all(part in fields for part in parts):
-                fields[name] = np.column_stack([fields.pop(part) for part in parts])
-                break
-    for name in [name for name in fields if name.endswith("_0")]:
-        stem = name[:-2]
-        counted = itertools.takewhile(
-            lambda part: part in fields, (f"{stem}_{i}" for i in itertools.count())
-        )
-        if stem and stem not in fields:
-            fields[stem] = np.column_stack([fields.pop(part) for part in [*counted]])
-    return fields
-
-
-def _header(source: Source, file: IO[bytes]) -> tuple[str, list[_Element], int]:
-    """Read up to 'end_header': byte order or 'ascii', elements, number of lines."""
+def _header(
+    source: Source, file: IO[bytes]
+) -> tuple[str, list[_Element], int, list[str]]:
+    """Read up to 'end_header': byte order or 'ascii', elements, lines, comments."""
     if file.readline(64).rstrip() != b"ply":
         source.fail("expected a PLY file, whose first line is 'ply'", line=1)
     encoding = None
     elements: list[_Element] = []
+    comments: list[str] = []
     line, words = 1, [""]
     while words != ["end_header"]:
         line += 1
@@ -158,7 +173,9 @@ def _header(source: Source, file: IO[bytes]) -> tuple[str, list[_Element], int]:
                 elements[-1].properties.append((name, *types))
             case ["property", kind, name] if elements and kind in _TYPES:
                 elements[-1].properties.append((name, _TYPES[kind], None))
-            case [] | ["end_header"] | ["comment" | "obj_info", *_]:
+            case ["comment", *said]:
+                comments.append(" ".join(said))
+            case [] | ["end_header"] | ["obj_info", *_]:
                 pass
             case _:
                 what = f"no valid line of a PLY header: {text.strip()[:60]!r}"
@@ -169,7 +186,7 @@ def _header(source: Source, file: IO[bytes]) -> tuple[str, list[_Element], int]:
         names = [name for name, _, _ in element.properties]
         if len(names) > len({*names}):
             source.fail(f"the element '{element.name}' has a property twice")
-    return encoding, elements, line
+    return encoding, elements, line, comments
 
 
 class _Reader:
@@ -213,13 +230,7 @@ class _Reader:
             element.properties, columns, strict=True
         ):
             if length is None:
-                # Integers beyond their type stay what they are.
-                with np.errstate(invalid="ignore", over="ignore"):
-                    numbers = np.array(values, dtype=np.float64)
-                    narrow = numbers.astype(kind)
-                wide = kind[0] != "f" and (narrow != numbers).any()
-                # The digits of a coordinate say more than its type.
-                scalars[name] = numbers if wide or name in "xyz" else narrow
+                scalars[name] = _of_words(values, kind, name)
             else:
                 lists[name] = Faces.of(values)
         return _Table(scalars, lists)
@@ -234,7 +245,8 @@ class _Reader:
                 source.fail(short, line=self.line)
             if length is None:
                 try:
-                    column.append(float(fields[position]))
+                    float(fields[position])
+                    column.append(fields[position])
                 except ValueError:
                     found = " ".join(fields)[:60]
                     what = f"expected {len(fields)} numbers, found {found!r}"
@@ -345,6 +357,22 @@ class _Reader:
         return values
 
 
+def _of_words(words: list[str], kind: str, name: str) -> NDArray[Any]:
+    """Numbers of the type of a property; doubles where that has no room for them."""
+    if kind[0] != "f":
+        try:
+            return np.array([int(word) for word in words], dtype=kind)
+        except (ValueError, OverflowError):
+            pass
+    # Integers beyond their type stay what they are.
+    with np.errstate(invalid="ignore", over="ignore"):
+        numbers = np.array([float(word) for word in words], dtype=np.float64)
+        narrow = numbers.astype(kind)
+    wide = kind[0] != "f" and (narrow != numbers).any()
+    # The digits of a coordinate say more than its type.
+    return numbers if wide or name in "xyz" else narrow
+
+
 # Written here, not by meshio: it knows no edges, and puts the date into the file.
 
 
@@ -352,6 +380,7 @@ def write_ply(file: IO[bytes], mesh: FileMesh) -> None:
     """Write binary PLY: vertices with their fields, then edges or triangles."""
     columns = _columns(mesh)
     header = ["ply", "format binary_little_endian 1.0"]
+    header += [f"comment {_WIDE}{kind} {name}" for name, kind in _wide_names(mesh)]
     header += [f"element vertex {len(mesh.points)}"]
     header += [f"property {_NAMES[a.dtype.str[1:]]} {name}" for name, a in columns]
     vertices = np.empty(
@@ -384,22 +413,42 @@ _NAMES = {
     "u2": "ushort",
     "i4": "int",
     "u4": "uint",
+    "i8": "int64",  # of no standard, but read by some
+    "u8": "uint64",
     "f4": "float",
     "f8": "double",
 }
+_WIDE = "remanifold "  # begins a comment on whole numbers that are written as doubles
+_EXACT = 2**53  # up to which doubles hold all whole numbers
+
+
+def _wide_names(mesh: FileMesh) -> list[tuple[str, str]]:
+    wide = [
+        (name, str(mesh.fields[given].dtype))
+        for given, name in ((n, _word(n)) for n in mesh.fields)
+        if mesh.fields[given].dtype.kind in "iu"
+        and mesh.fields[given].dtype.itemsize == 8
+        and mesh.fields[given].ndim == 1
+    ]
+    kinds = {name: values.dtype.kind for name, values in _columns(mesh)}
+    return [(name, kind) for name, kind in wide if kinds[name] == "f"]
+
+
+def _word(name: str) -> str:
+    """A property is one word."""
+    return "".join(c if "!" <= c <= "~" else "_" for c in name)
 
 
 def _columns(mesh: FileMesh) -> list[tuple[str, NDArray[Any]]]:
     """Coordinates and fields, one column a property."""
     columns = [(axis, mesh.points[:, i]) for i, axis in enumerate("xyz")]
     for given, array in mesh.fields.items():
-        # A property is one word.
-        name = "".join(c if "!" <= c <= "~" else "_" for c in given)
-        values = _narrow(array)
+        name = _word(given)
+        values = _narrow(byte_colors(array) if name == "colors" else array)
         if values.ndim == 1:
             columns.append((name, values))
             continue
-        parts = COLUMNS.get(name, ())[: values.shape[1]]
+        parts = (GROUPS[name][0] if name in GROUPS else ())[: values.shape[1]]
         if len(parts) != values.shape[1]:
             parts = tuple(f"{name}_{i}" for i in range(values.shape[1]))
         columns += [(part, values[:, i]) for i, part in enumerate(parts)]
@@ -419,7 +468,10 @@ def _narrow(array: NDArray[Any]) -> NDArray[Any]:
         limits = np.iinfo(np.int32)
         if not array.size or limits.min <= array.min() <= array.max() <= limits.max:
             return array.astype(np.int32)
-        return array.astype(np.float64)
+        # Doubles are what all programs read, and hold these exactly.
+        if -_EXACT <= array.min() <= array.max() <= _EXACT:
+            return array.astype(np.float64)
+        return array
     if array.dtype.str[1:] not in _NAMES:
         return array.astype(np.float64)
     return array

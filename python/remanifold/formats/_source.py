@@ -3,9 +3,11 @@
 
 from __future__ import annotations
 
+import codecs
 import functools
 import io
 import os
+import re
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -21,6 +23,8 @@ FloatArray: TypeAlias = NDArray[np.float64]
 IntArray: TypeAlias = NDArray[np.int64]
 
 _LARGEST = 2**62  # of an index, so that what is computed of it fits as well
+_CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f\x7f]")
+_LONGEST = 300  # characters of a message
 STANDARD = "-"  # standard input or output
 
 
@@ -33,10 +37,24 @@ class Source:
         The file, or "-".
     suffix : str
         What names its format, in lower case.
+    columns : tuple of int and str, optional
+        Which columns are the coordinates, where that was said.
+    cells : bool
+        Whether simplices are wanted.
     """
 
-    def __init__(self, path: StrPath, suffix: str) -> None:
+    def __init__(
+        self,
+        path: StrPath,
+        suffix: str,
+        columns: tuple[int | str, ...] | None = None,
+        cells: bool = True,
+    ) -> None:
         self.suffix = suffix
+        self.columns = columns
+        self.cells = cells
+        self.guesses: list[str] = []  # what was taken for granted and may be wrong
+        self.notes: list[str] = []  # what is worth knowing and hardly wrong
         self._path: Path | None = None
         if is_standard(path):
             self.name = "standard input"
@@ -56,6 +74,47 @@ class Source:
     def data(self) -> bytes:
         """All of it."""
         return self._held if self._path is None else self._path.read_bytes()
+
+    @property
+    def path(self) -> Path | None:
+        """Where it is; None for standard input."""
+        return self._path
+
+    def guess(self, what: str) -> None:
+        """Say what was taken for granted: once, where the same is found again.
+
+        COLUMNS stands for what decides, in Python or on the command line.
+        """
+        if what not in self.guesses:
+            self.guesses.append(what)
+
+    def note(self, what: str) -> None:
+        """Say what is worth knowing."""
+        if what not in self.notes:
+            self.notes.append(what)
+
+    def decoded(self) -> str:
+        """All of it as text: UTF-8, UTF-16 with its mark, or else Latin-1.
+
+        Every byte is a letter of Latin-1; text has no control characters, which tells it
+        from what is no text at all.
+        """
+        data = self.data
+        if data[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
+            try:
+                return data.decode("utf-16")
+            except UnicodeDecodeError as error:
+                self.fail(f"is no text file, as {self.suffix} files are", error)
+        try:
+            text = data.decode("utf-8-sig")
+        except UnicodeDecodeError as error:
+            if _CONTROL.search(data):
+                self.fail(f"is no text file, as {self.suffix} files are", error)
+            self.note("is read as Latin-1, for it is no UTF-8")
+            return data.decode("latin-1")
+        if "\0" in text:
+            self.fail(f"is no text file, as {self.suffix} files are")
+        return text
 
     @contextmanager
     def text(self) -> Iterator[IO[str]]:
@@ -86,7 +145,7 @@ class Source:
     ) -> NoReturn:
         """Raise a ValueError that names the file, and the line if it is known."""
         where = self.name if line is None else f"{self.name}, line {line}"
-        msg = f"{where}: {what}"
+        msg = f"{where}: {_one_line(what)}"
         raise ValueError(msg) from cause
 
     def floats(self, line: int, fields: list[str], count: int) -> list[float]:
@@ -117,6 +176,13 @@ class Source:
             found = " ".join(fields)
             self.fail(f"expected indices, found {found[:60]!r}", line=line)
         return values
+
+
+def _one_line(what: str) -> str:
+    """A message, however other libraries put theirs into it."""
+    text = re.sub(r"<[\w.]+ object at 0x[0-9a-f]+>", "something else", what)
+    text = " ".join(text.split())
+    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]} ..."
 
 
 def is_standard(path: StrPath) -> bool:

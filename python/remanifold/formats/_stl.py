@@ -11,7 +11,7 @@ from remanifold.formats._mesh import FileMesh, first_of_equal_rows
 from remanifold.formats._source import FloatArray, Source
 
 
-def read_stl(source: Source, cells: bool) -> FileMesh:
+def read_stl(source: Source, with_fields: bool) -> FileMesh:  # noqa: ARG001  has none
     """Corners with the same coordinates become one vertex."""
     start = source.data[:1024].lower()
     if start.startswith(b"solid") and b"facet" in start:
@@ -20,7 +20,7 @@ def read_stl(source: Source, cells: bool) -> FileMesh:
         corners = _binary(source)
     first, places = first_of_equal_rows(corners)
     mesh = FileMesh(corners[first])
-    if cells:
+    if source.cells:
         mesh.cells[3] = places.reshape(-1, 3)
     return mesh
 

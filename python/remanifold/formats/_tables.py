@@ -4,71 +4,51 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterator
+import io
 from typing import IO, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from remanifold.formats._mesh import FileMesh
+from remanifold.formats._columns import GROUPS, mesh_of_table
+from remanifold.formats._grid import read_grid
+from remanifold.formats._mesh import FileMesh, Table
+from remanifold.formats._molecule import read_molecule
 from remanifold.formats._source import FloatArray, Source
+from remanifold.formats._text import read_columns
 
 # Names that an archive gives to its own arrays.
 RESERVED = ("points", "simplices")
 
 
-def read_csv(source: Source, cells: bool) -> FileMesh:  # noqa: ARG001  has none
-    """Numbers separated by commas."""
-    with source.text() as file:
-        rows = csv.reader(file, skipinitialspace=True)
-        try:
-            points = _table(source, ((rows.line_num, row) for row in rows), "commas")
-        except csv.Error as error:
-            source.fail(f"no comma-separated text ({error})", error, rows.line_num)
-    return FileMesh(points)
+def read_csv(source: Source, with_fields: bool) -> FileMesh:  # noqa: ARG001  fields come along
+    """Cells separated by commas, or by semicolons or tabs where the file does so."""
+    return mesh_of_table(source, read_columns(source, ","))
 
 
-def read_table(source: Source, cells: bool) -> FileMesh:  # noqa: ARG001  has none
-    """Numbers separated by blanks."""
-    with source.text() as file:
-        rows = ((number, line.split()) for number, line in enumerate(file, 1))
-        return FileMesh(_table(source, rows, "blanks"))
+def read_tsv(source: Source, with_fields: bool) -> FileMesh:  # noqa: ARG001
+    """Cells separated by tabs."""
+    return mesh_of_table(source, read_columns(source, "\t"))
 
 
-def _table(
-    source: Source, rows: Iterator[tuple[int, list[str]]], separator: str
-) -> FloatArray:
-    points: list[list[float]] = []
-    header_allowed = True
-    for line, fields in rows:
-        if not any(fields) or fields[0].startswith("#"):
-            continue
-        try:
-            point = [float(field) for field in fields]
-        except ValueError:
-            if header_allowed and not any(_is_number(field) for field in fields):
-                header_allowed = False
-                continue
-            culprit = next(field for field in fields if not _is_number(field))
-            what = f"expected numbers separated by {separator}, found {culprit[:60]!r}"
-            source.fail(what, line=line)
-        header_allowed = False
-        if points and len(point) != len(points[0]):
-            what = f"expected {len(points[0])} numbers as before, found {len(point)}"
-            source.fail(what, line=line)
-        points.append(point)
-    return np.array(points)
+def read_table(source: Source, with_fields: bool) -> FileMesh:  # noqa: ARG001
+    """Cells separated by blanks; the first line may be the number of the points."""
+    return mesh_of_table(source, read_columns(source, None, counted=True))
 
 
-def _is_number(field: str) -> bool:
-    try:
-        float(field)
-    except ValueError:
-        return False
-    return True
+def read_xyz(source: Source, with_fields: bool) -> FileMesh:
+    """Points of a scanner, or the atoms of a molecule."""
+    molecule = read_molecule(source)
+    return read_table(source, with_fields) if molecule is None else molecule
 
 
-def read_numpy(source: Source, cells: bool) -> FileMesh:
+def read_asc(source: Source, with_fields: bool) -> FileMesh:
+    """Points of a scanner, or a grid of heights."""
+    grid = read_grid(source)
+    return read_table(source, with_fields) if grid is None else grid
+
+
+def read_numpy(source: Source, with_fields: bool) -> FileMesh:
     """Read an array, or an archive of points, simplices and fields."""
     with source.open() as file:
         # A damaged file is reported by whatever stumbles over it first: zipfile,
@@ -78,31 +58,87 @@ def read_numpy(source: Source, cells: bool) -> FileMesh:
             arrays = None if isinstance(content, np.ndarray) else dict(content)
         except Exception as error:  # noqa: BLE001
             source.fail(f"is damaged, truncated or no NumPy file ({error})", error)
-    if arrays is None:
-        return FileMesh(_matrix(source, "the array", content))
-    name = "points"
-    if name not in arrays:
-        matrices = [key for key, array in arrays.items() if array.ndim == 2]
-        if len(matrices) != 1:
-            found = ", ".join(f"{key} {array.shape}" for key, array in arrays.items())
-            source.fail(
-                "expected an array 'points' or a single array of shape (N, D), "
-                f"found {found or 'no arrays'}"
-            )
-        name = matrices[0]
+    if arrays is not None:
+        return mesh_of_arrays(source, arrays, with_fields)
+    if content.dtype.names is not None:
+        return mesh_of_table(source, _structured(source, content))
+    points = _matrix(source, "the array", content)
+    if content.dtype.kind == "c":
+        return FileMesh(points)
+    return mesh_of_table(source, Table([*points.T]))
+
+
+def _structured(source: Source, array: NDArray[Any]) -> Table:
+    """Columns of records; those of several numbers become several columns."""
+    columns: list[NDArray[Any]] = []
+    names: list[str] = []
+    for name in array.dtype.names or ():
+        values = array[name].reshape(array.size, -1)
+        if values.dtype.kind not in "biufUS":
+            source.fail(f"the column {name!r} holds {values.dtype}, expected numbers")
+        columns += [*values.T]
+        width = values.shape[1]
+        names += [name] if width == 1 else [f"{name}_{i}" for i in range(width)]
+    return Table(columns, names)
+
+
+# What archives of others call the coordinates, most telling first.
+_POINTS = (
+    *("points", "xyz", "coords", "coordinates", "positions", "pos", "vertices", "X"),
+    *("point_cloud", "pointcloud", "pcd", "pts"),
+)
+
+
+def mesh_of_arrays(
+    source: Source, arrays: dict[str, NDArray[Any]], with_fields: bool
+) -> FileMesh:
+    """Points, simplices and fields from arrays by their names."""
+    mesh = _points_among(source, arrays)
+    # Where there are columns these are the fields already.
+    if mesh.table is not None or not (with_fields or source.cells or source.columns):
+        return mesh
+    count = len(mesh.points)
+    if "simplices" in arrays and source.cells:
+        simplices = _simplices(source, arrays["simplices"], count)
+        mesh.cells[simplices.shape[1]] = simplices
+    mesh.fields |= {
+        key: array
+        for key, array in arrays.items()
+        if key not in (*RESERVED, mesh.chosen)
+        and array.ndim in (1, 2)
+        and array.size
+        and len(array) == count
+        and array.dtype.kind in "biuf"
+    }
+    mesh.chosen = f"coordinates are the array {mesh.chosen!r}" if mesh.chosen else ""
+    return mesh
+
+
+def _points_among(source: Source, arrays: dict[str, NDArray[Any]]) -> FileMesh:
+    names = [key for key, array in arrays.items() if array.ndim == 2]
+    lengths = {len(array) for array in arrays.values() if array.ndim == 1}
+    asked = source.columns[0] if source.columns and len(source.columns) == 1 else None
+    if isinstance(asked, str) and asked in names:
+        name, source.columns = asked, None  # an array, not a column of one
+    elif "points" in arrays:
+        name = "points"
+    elif len(names) == 1:
+        (name,) = names
+    elif not names and len(lengths) == 1 and {"x", "y"} <= {k.lower() for k in arrays}:
+        table = Table([*arrays.values()], [*arrays])
+        return mesh_of_table(source, table)
+    elif any(key in names for key in _POINTS):
+        name = next(key for key in _POINTS if key in names)
+        source.guess(f"of {len(names)} arrays of two dimensions {name!r} is read")
+    else:
+        found = ", ".join(f"{key} {array.shape}" for key, array in arrays.items())
+        remedy = f": columns={names[0]!r} would read one of them" if names else ""
+        source.fail(
+            "expected an array 'points' or a single array of shape (N, D), "
+            f"found {found or 'no arrays'}{remedy}"
+        )
     mesh = FileMesh(_matrix(source, f"the array '{name}'", arrays[name]))
-    if cells:
-        if "simplices" in arrays:
-            simplices = _simplices(source, arrays["simplices"], len(mesh.points))
-            mesh.cells[simplices.shape[1]] = simplices
-        mesh.fields = {
-            key: array
-            for key, array in arrays.items()
-            if key not in (*RESERVED, name)
-            and array.ndim in (1, 2)
-            and len(array) == len(mesh.points)
-            and array.dtype.kind in "biuf"
-        }
+    mesh.chosen = name
     return mesh
 
 
@@ -146,18 +182,62 @@ def write_npy(file: IO[bytes], mesh: FileMesh) -> None:
 
 
 def write_csv(file: IO[bytes], mesh: FileMesh) -> None:
-    """Write one point a line, after the names of the coordinates."""
-    dim = mesh.points.shape[1]
-    names = "xyz"[:dim] if dim <= 3 else [f"x{i}" for i in range(1, dim + 1)]
-    file.write(f"{','.join(names)}\n".encode())
-    _write_rows(file, mesh.points, ",")
+    """Write one point a line, after the names of the columns."""
+    names, columns = columns_of(mesh)
+    head = io.StringIO()
+    csv.writer(head, lineterminator="\n").writerow(names)
+    file.write(head.getvalue().encode())
+    _write_rows(file, columns, ",")
 
 
 def write_table(file: IO[bytes], mesh: FileMesh) -> None:
-    """Write one point a line."""
-    _write_rows(file, mesh.points, " ")
+    """Write one point a line; columns beyond three have names, in a comment."""
+    names, columns = columns_of(mesh)
+    if len(columns) > 3:
+        # One word each: what separates names are blanks.
+        words = [
+            "".join(c if c.isprintable() and c != " " else "_" for c in n)
+            for n in names
+        ]
+        file.write(f"# {' '.join(words)}\n".encode())
+    _write_rows(file, columns, " ")
 
 
-def _write_rows(file: IO[bytes], points: FloatArray, separator: str) -> None:
-    for row in points.tolist():
-        file.write(f"{separator.join(map(repr, row))}\n".encode())
+def columns_of(mesh: FileMesh) -> tuple[list[str], list[NDArray[Any]]]:
+    """Coordinates and fields, one column each, and names that tell which they are."""
+    dim = mesh.points.shape[1]
+    names = [*"xyz"[:dim]] if dim <= 3 else [f"x{i}" for i in range(1, dim + 1)]
+    columns: list[NDArray[Any]] = [*mesh.points.T]
+    for given, array in mesh.fields.items():
+        if array.ndim == 1:
+            names.append(given)
+            columns.append(array)
+            continue
+        width = array.shape[1]
+        parts = GROUPS[given][0] if given in GROUPS else ()
+        if not 3 <= width <= len(parts):
+            parts = tuple(f"{given}_{i}" for i in range(width))
+        names += parts[:width]
+        columns += [*array.T]
+    for i, name in enumerate(names):
+        if name in names[:i]:
+            msg = f"fields: two columns would be called {name!r}"
+            raise ValueError(msg)
+    return names, columns
+
+
+def _write_rows(file: IO[bytes], columns: list[NDArray[Any]], separator: str) -> None:
+    # A double tells a narrower number exactly.
+    words = [
+        [
+            *map(
+                repr,
+                column.astype(
+                    int if column.dtype.kind == "b" else column.dtype
+                ).tolist(),
+            )
+        ]
+        for column in columns
+    ]
+    for row in zip(*words, strict=True):
+        file.write(f"{separator.join(row)}\n".encode())

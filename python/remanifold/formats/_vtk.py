@@ -17,6 +17,7 @@ from remanifold.formats._mesh import (
     polyline_edges,
     simplex_name,
     simplices_of_faces,
+    strip_triangles,
 )
 from remanifold.formats._source import FloatArray, IntArray, Source
 
@@ -50,14 +51,47 @@ _NAMES = {
 }
 # Cell types: vertices, edges, polylines, triangles, polygons, tetrahedra.
 VERTICES, LINE, POLYLINE, TRIANGLE, POLYGON, QUAD, TETRA = (1, 2), 3, 4, 5, 7, 9, 10
+EMPTY, STRIP, PIXEL = 0, 6, 8
+# Cells with nodes on their edges, cut so that all nodes are used: what they become and
+# its corners. The inner edge of a tetrahedron goes from the middle of 01 to that of 23.
+_SPLIT: dict[int, tuple[int, list[list[int]]]] = {
+    PIXEL: (QUAD, [[0, 1, 3, 2]]),
+    21: (LINE, [[0, 2], [2, 1]]),
+    22: (TRIANGLE, [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]]),
+    23: (
+        TRIANGLE,
+        [[0, 4, 7], [4, 1, 5], [5, 2, 6], [6, 3, 7], [4, 5, 6], [4, 6, 7]],
+    ),
+    24: (
+        TETRA,
+        [
+            *([0, 4, 6, 7], [4, 1, 5, 8], [6, 5, 2, 9], [7, 8, 9, 3]),
+            *([4, 5, 6, 9], [4, 6, 7, 9], [4, 7, 8, 9], [4, 8, 5, 9]),
+        ],
+    ),
+}
+_NODES = {PIXEL: 4, 21: 3, 22: 6, 23: 8, 24: 10}
+# What cells that are no simplices are called, and by what they become some.
+_OTHERS = {
+    11: "voxels",
+    12: "hexahedra",
+    13: "wedges",
+    14: "pyramids",
+    15: "prisms",
+    16: "prisms",
+    25: "quadratic hexahedra",
+    26: "quadratic wedges",
+    27: "quadratic pyramids",
+    42: "polyhedra",
+}
 _WRITTEN = {2: LINE, 3: TRIANGLE, 4: TETRA}
 WIDTHS = ("1", "2", "3", "4")  # of SCALARS, where it is said
 _WORD = re.compile(rb"\s*(\S+)")
 
 
-def read_vtk(source: Source, cells: bool) -> FileMesh:
+def read_vtk(source: Source, with_fields: bool) -> FileMesh:
     """Read points, cells, and what is said about the points."""
-    return _Reader(source).read(cells)
+    return _Reader(source).read(with_fields)
 
 
 class _Reader:
@@ -74,7 +108,7 @@ class _Reader:
         self.binary = header[1] == b"BINARY"
         self.position = header.end()
 
-    def read(self, cells: bool) -> FileMesh:
+    def read(self, with_fields: bool) -> FileMesh:
         mesh: FileMesh | None = None
         kinds: dict[str, Faces] = {}
         types: IntArray | None = None
@@ -82,14 +116,12 @@ class _Reader:
             key = word.upper()
             if key == "POINTS":
                 mesh = FileMesh(self._points())
-                if not cells:
+                if not (with_fields or self.source.cells):
                     return mesh
-            elif key in ("VERTICES", "LINES", "POLYGONS", "CELLS"):
+            elif key in ("VERTICES", "LINES", "POLYGONS", "TRIANGLE_STRIPS", "CELLS"):
                 kinds[key] = self._faces(key)
             elif key == "CELL_TYPES":
                 types = self._array("int", self._count()).astype(np.int64)
-            elif key == "TRIANGLE_STRIPS":
-                self._fail("holds triangle strips, which are not read")
             elif key == "METADATA":
                 self._skip_metadata()
             elif key == "POINT_DATA" and mesh is not None:
@@ -107,7 +139,8 @@ class _Reader:
                 self._fail(f"expected a keyword such as POINTS, found {word[:60]!r}")
         if mesh is None:
             self._fail("expected a line 'POINTS n type', found none")
-        mesh.cells = _cells(self.source, mesh.points, kinds, types)
+        if self.source.cells:
+            mesh.cells = _cells(self.source, mesh.points, kinds, types)
         return mesh
 
     def _fail(self, what: str) -> NoReturn:
@@ -144,7 +177,8 @@ class _Reader:
         name = self._need().upper()
         if name not in ("POLYDATA", "UNSTRUCTURED_GRID"):
             what = "expected DATASET POLYDATA or UNSTRUCTURED_GRID"
-            self._fail(f"{what}, found {name[:60]!r}")
+            remedy = "save it as one of these"
+            self._fail(f"{what}, found {name[:60]!r}; {remedy}")
 
     def _points(self) -> FloatArray:
         count, kind = self._count(), self._need().lower()
@@ -318,6 +352,11 @@ def _cells(
         return cells_of_grid(source, points, faces, types)
     if "POLYGONS" in kinds:
         cells = simplices_of_faces(source, points, kinds["POLYGONS"])
+    if "TRIANGLE_STRIPS" in kinds:
+        strips = kinds["TRIANGLE_STRIPS"]
+        check_corners(source, strips.corners, len(points))
+        held = [cells[3]] if 3 in cells else []
+        cells[3] = np.concatenate([*held, strip_triangles(strips)])
     if "LINES" in kinds:
         cells[2] = _edges(source, kinds["LINES"], len(points))
     return cells
@@ -336,12 +375,16 @@ def cells_of_grid(
 ) -> dict[int, IntArray]:
     """Simplices of an unstructured grid, by the numbers VTK gives to types of cells."""
     check_corners(source, faces.corners, len(points))
-    known = (*VERTICES, LINE, POLYLINE, TRIANGLE, POLYGON, QUAD, TETRA)
+    faces, types = _simplified(source, faces, types)
+    known = (EMPTY, *VERTICES, LINE, POLYLINE, TRIANGLE, POLYGON, QUAD, TETRA)
     wrong = ~np.isin(types, known)
     if wrong.any():
+        kind = int(types[wrong][0])
+        name = _OTHERS.get(kind, "cells")
         source.fail(
-            f"holds cells of VTK's type {int(types[wrong][0])}; only edges, polygons "
-            f"and {simplex_name(3)} can be read"
+            f"holds {name} (VTK's type {kind}); only edges, polygons and "
+            f"{simplex_name(3)} can be read: triangulate it first, in ParaView by "
+            "Tetrahedralize, in PyVista by triangulate()"
         )
     for kind, size in ((LINE, 2), (TRIANGLE, 3), (QUAD, 4), (TETRA, 4)):
         if (faces.sizes[types == kind] != size).any():
@@ -358,6 +401,33 @@ def cells_of_grid(
     if solid.any():
         cells[4] = faces.corners[starts[solid][:, None] + np.arange(4)]
     return cells
+
+
+def _simplified(
+    source: Source, faces: Faces, types: IntArray
+) -> tuple[Faces, IntArray]:
+    """Strips and cells with more nodes than corners as several simple ones, at the end."""
+    unusual = np.isin(types, (STRIP, *_SPLIT))
+    if not unusual.any():
+        return faces, types
+    kept = _some(faces, ~unusual)
+    corners, sizes, kinds = [kept.corners], [kept.sizes], [types[~unusual]]
+    for kind in np.unique(types[unusual]).tolist():
+        chosen = _some(faces, types == kind)
+        if kind == STRIP:
+            becomes, rows = TRIANGLE, strip_triangles(chosen)
+        else:
+            becomes, places = _SPLIT[kind]
+            if (chosen.sizes != _NODES[kind]).any():
+                what = f"a cell of type {kind} that has not {_NODES[kind]} nodes"
+                source.fail(f"holds {what}")
+            nodes = chosen.corners.reshape(-1, _NODES[kind])
+            rows = nodes[:, places].reshape(-1, len(places[0]))
+        corners.append(rows.ravel())
+        sizes.append(np.full(len(rows), rows.shape[1], dtype=np.int64))
+        kinds.append(np.full(len(rows), becomes, dtype=np.int64))
+    simple = Faces(np.concatenate(corners), np.concatenate(sizes))
+    return simple, np.concatenate(kinds)
 
 
 def _some(faces: Faces, wanted: NDArray[np.bool_]) -> Faces:

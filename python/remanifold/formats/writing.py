@@ -18,6 +18,7 @@ from remanifold.formats._gltf import write_glb, write_gltf
 from remanifold.formats._mesh import FileMesh, simplex_name
 from remanifold.formats._obj import write_obj
 from remanifold.formats._off import write_off
+from remanifold.formats._parquet import write_parquet
 from remanifold.formats._ply import write_ply
 from remanifold.formats._source import (
     FloatArray,
@@ -35,7 +36,7 @@ from remanifold.formats._tables import (
     write_table,
 )
 from remanifold.formats._vtk import write_vtk
-from remanifold.formats._vtu import write_vtu
+from remanifold.formats._vtk_xml import write_vtp, write_vtu
 
 if TYPE_CHECKING:
     from remanifold.complex.data import ComplexData
@@ -48,27 +49,30 @@ class Writer(NamedTuple):
     dims: tuple[int, ...] | None = None  # of simplices, all if None
     three: bool = True  # points have three coordinates
     points: bool = True  # without simplices
-    fields: bool = False
+    fields: bool | tuple[str, ...] = False  # any, or those of these names
 
 
+_SHOWN = ("colors", "normals")  # by all viewers, and of no more in some formats
 WRITERS: dict[str, Writer] = {
     ".ply": Writer(write_ply, (1, 2), fields=True),
-    ".obj": Writer(write_obj, (1, 2)),
-    ".off": Writer(write_off, (2,), three=False),
+    ".obj": Writer(write_obj, (1, 2), fields=_SHOWN),
+    ".off": Writer(write_off, (2,), three=False, fields=_SHOWN),
     ".stl": Writer(write_stl, (2,), points=False),
     ".vtk": Writer(write_vtk, (1, 2, 3), fields=True),
     ".vtu": Writer(write_vtu, (1, 2, 3), fields=True),
+    ".vtp": Writer(write_vtp, (1, 2), fields=True),
     ".glb": Writer(write_glb, (1, 2), points=False, fields=True),
     ".gltf": Writer(write_gltf, (1, 2), points=False, fields=True),
     ".npz": Writer(write_npz, None, three=False, fields=True),
     ".npy": Writer(write_npy, (), three=False),
-    ".csv": Writer(write_csv, (), three=False),
-    ".txt": Writer(write_table, (), three=False),
-    ".xyz": Writer(write_table, (), three=False),
+    ".csv": Writer(write_csv, (), three=False, fields=True),
+    ".txt": Writer(write_table, (), three=False, fields=True),
+    ".xyz": Writer(write_table, (), three=False, fields=True),
+    ".parquet": Writer(write_parquet, (), three=False, fields=True),
 }
 MESH_WRITERS = tuple(s for s, writer in WRITERS.items() if writer.dims != ())
 POINT_WRITERS = tuple(s for s, writer in WRITERS.items() if writer.points)
-FIELD_WRITERS = tuple(s for s, writer in WRITERS.items() if writer.fields)
+FIELD_WRITERS = tuple(s for s, writer in WRITERS.items() if writer.fields is True)
 
 
 def write_mesh(
@@ -87,19 +91,20 @@ def write_mesh(
         The file; its suffix names the format. A file of that name is replaced, but
         only when the new one is complete. "-" is standard output.
 
-        ========== ============= ============================= ======
+        ========== ============= ============================= ===============
         suffix     dimension D   simplices                     fields
-        ========== ============= ============================= ======
+        ========== ============= ============================= ===============
         ``.npz``   any           any                           yes
         ``.ply``   up to 3       edges, triangles              yes
-        ``.obj``   up to 3       edges, triangles              no
-        ``.off``   any           triangles                     no
+        ``.obj``   up to 3       edges, triangles              colors, normals
+        ``.off``   any           triangles                     colors, normals
         ``.stl``   up to 3       triangles                     no
         ``.vtk``   up to 3       edges, triangles, tetrahedra  yes
         ``.vtu``   up to 3       edges, triangles, tetrahedra  yes
+        ``.vtp``   up to 3       edges, triangles              yes
         ``.glb``   up to 3       edges, triangles              yes
         ``.gltf``  up to 3       edges, triangles              yes
-        ========== ============= ============================= ======
+        ========== ============= ============================= ===============
 
         An archive holds the arrays ``points`` and ``simplices``, and each field by its
         name. In the other formats points of fewer than three coordinates are filled up
@@ -138,7 +143,7 @@ def write_mesh(
 def write_complex(
     path: StrPath,
     complex: ComplexData,
-    fields: Mapping[str, ArrayLike] | None = None,
+    fields: str | Mapping[str, ArrayLike] | None = "auto",
     *,
     format: str | None = None,
 ) -> None:
@@ -150,8 +155,9 @@ def write_complex(
         The file; its suffix names the format, as for `write_mesh`.
     complex : SimplicialComplex
         Its vertices must have coordinates.
-    fields : mapping of str to array_like, optional
-        Values at the vertices, of shape (N,) or (N, C): numbers or bool.
+    fields : "auto", None or mapping of str to array_like
+        Values at the vertices, of shape (N,) or (N, C): numbers or bool. "auto": those
+        of the complex's `vertex_attributes` that the format holds.
     format : str, optional
         The format by its suffix, such as "ply", whatever the name of the file.
 
@@ -174,7 +180,31 @@ def write_complex(
             "simplices with numpy.save"
         )
         raise ValueError(msg)
+    if isinstance(fields, str):
+        if fields != "auto":
+            msg = f"fields is {fields!r}, expected 'auto', None or a mapping"
+            raise ValueError(msg)
+        fields = fitting_fields(path, complex.vertex_attributes, format)
     write_mesh(path, complex.vertices, complex.simplices, fields=fields, format=format)
+
+
+def write_valid(
+    path: StrPath,
+    vertices: NDArray[np.float64],
+    simplices: NDArray[np.integer],
+    fields: Mapping[str, ArrayLike] | None,
+    *,
+    format: str | None = None,
+) -> None:
+    """Write a mesh without the vertices that are nowhere, and which the others were."""
+    rows = np.flatnonzero(np.isfinite(vertices).all(axis=1))
+    number = np.full(len(vertices), -1)
+    number[rows] = np.arange(len(rows))
+    checked = check_fields(fields, len(vertices))
+    kept: dict[str, ArrayLike] = {name: array[rows] for name, array in checked.items()}
+    if fields is not None:
+        kept |= fitting_fields(path, {"sample": rows}, format)
+    write_mesh(path, vertices[rows], number[simplices], fields=kept, format=format)
 
 
 def write_points(
@@ -190,12 +220,14 @@ def write_points(
     ----------
     path : str or path-like
         The file; its suffix names the format. Of any dimension: ``.npy``, ``.npz``,
-        ``.csv``, ``.txt``, ``.xyz`` and ``.off``; up to three coordinates: ``.ply``,
-        ``.obj``, ``.vtk`` and ``.vtu``, filled up with zeros. "-" is standard output.
+        ``.csv``, ``.txt``, ``.xyz``, ``.parquet`` and ``.off``; up to three coordinates:
+        ``.ply``, ``.obj``, ``.vtk``, ``.vtu`` and ``.vtp``, filled up with zeros. "-" is
+        standard output.
     points : array_like of shape (N, D)
         Coordinates, real numbers.
     fields : mapping of str to array_like, optional
-        Values at the points, for ``.npz``, ``.ply``, ``.vtk`` and ``.vtu``.
+        Values at the points; ``.npy`` holds none, ``.obj`` and ``.off`` only ``colors``
+        and ``normals``. Tables have a column for each number.
     format : str, optional
         The format by its suffix, such as "csv", whatever the name of the file.
 
@@ -300,8 +332,11 @@ def _write(
 ) -> None:
     suffix = suffix_of(path, format, known)
     writer = WRITERS[suffix]
-    if mesh.fields and not writer.fields:
-        names = ", ".join(map(repr, mesh.fields))
+    lost = []
+    if writer.fields is not True:
+        lost = [n for n, array in mesh.fields.items() if not _fits(suffix, n, array)]
+    if lost:
+        names = ", ".join(map(repr, lost))
         others = ", ".join(other for other in FIELD_WRITERS if other in known)
         msg = f"{path}: {suffix} cannot hold the fields {names}; use {others}"
         raise ValueError(msg)
@@ -356,26 +391,48 @@ def _check_mesh(
     return points, cells.astype(np.int64)
 
 
-def holds_fields(path: StrPath, format: str | None = None) -> bool:
-    """Whether a file of this name holds values at the vertices."""
-    return suffix_of(path, format, tuple(WRITERS)) in FIELD_WRITERS
+def _fits(suffix: str, name: str, array: NDArray[Any]) -> bool:
+    """Whether a format holds a field."""
+    held = WRITERS[suffix].fields
+    if suffix in (".glb", ".gltf") and array.ndim == 2 and array.shape[1] > 4:
+        return False
+    if isinstance(held, bool):
+        return held
+    widths = (3, 4) if name == "colors" else (3,)
+    return name in held and array.ndim == 2 and array.shape[1] in widths
 
 
-def check_fields(fields: Any, num_vertices: int) -> dict[str, NDArray[Any]]:
+def fitting_fields(
+    path: StrPath, fields: Mapping[str, ArrayLike], format: str | None = None
+) -> dict[str, ArrayLike]:
+    """Those of the fields that a file of this name can hold."""
+    suffix = suffix_of(path, format, tuple(WRITERS))
+    if suffix not in WRITERS:
+        return {}
+    return {
+        name: values
+        for name, values in fields.items()
+        if _fits(suffix, name, np.asarray(values))
+    }
+
+
+def check_fields(
+    fields: Any, num_vertices: int, called: str = "fields"
+) -> dict[str, NDArray[Any]]:
     """Check names and shapes of values at the vertices."""
     if fields is None:
         return {}
     if not isinstance(fields, Mapping):
-        msg = f"fields must map names to arrays, got {type(fields).__name__}"
+        msg = f"{called} must map names to arrays, got {type(fields).__name__}"
         raise TypeError(msg)
     checked = {}
     for name, values in fields.items():
         if not isinstance(name, str) or not name or not name.isprintable():
-            msg = f"fields: {name!r} is no name; use letters, digits and underscores"
+            msg = f"{called}: {name!r} is no name; use letters, digits and underscores"
             raise ValueError(msg)
         array = np.asarray(values)
         if array.dtype.kind not in "biuf":
-            msg = f"fields[{name!r}] holds {array.dtype}, expected numbers or bool"
+            msg = f"{called}[{name!r}] holds {array.dtype}, expected numbers or bool"
             raise ValueError(msg)
         if (
             array.ndim not in (1, 2)
@@ -383,7 +440,7 @@ def check_fields(fields: Any, num_vertices: int) -> dict[str, NDArray[Any]]:
             or (array.ndim == 2 and array.shape[1] == 0)
         ):
             msg = (
-                f"fields[{name!r}] has shape {array.shape}, expected "
+                f"{called}[{name!r}] has shape {array.shape}, expected "
                 f"({num_vertices},) or ({num_vertices}, C), a row for each vertex"
             )
             raise ValueError(msg)

@@ -304,7 +304,7 @@ def assess(rec: ReconstructionData) -> Quality:
         scatter = _share(measured["scatter"], spacing)
         wide_scatter = _share(measured["wide_scatter"], spacing)
     own = rec.representatives == np.arange(rec.num_samples)
-    own[rec.outliers] = False
+    own[rec.left_out] = False
     findings = _Findings(
         dim=rec.dim,
         ambient_dim=rec.ambient_dim,
@@ -365,9 +365,9 @@ def assess(rec: ReconstructionData) -> Quality:
 def _measure(samples: Input, rec: ReconstructionData) -> dict[str, NDArray[Any]]:
     """By the core, as if there were no outliers; theirs is NaN, or nothing."""
     kept = np.ones(rec.num_samples, dtype=bool)
-    kept[rec.outliers] = False
+    kept[rec.left_out] = False
     simplices = rec.simplices
-    if len(rec.outliers):
+    if len(rec.left_out):
         samples = samples.subset(kept)
         number = np.cumsum(kept, dtype=np.int32) - np.int32(1)
         simplices = number[simplices]
@@ -380,7 +380,7 @@ def _measure(samples: Input, rec: ReconstructionData) -> dict[str, NDArray[Any]]
         num_threads=0,
         progress=None,
     )
-    if len(rec.outliers):
+    if len(rec.left_out):
         for name, values in measured.items():
             nothing = np.nan if values.dtype.kind == "f" else 0
             spread = np.full(rec.num_samples, nothing, dtype=values.dtype)
@@ -455,7 +455,7 @@ def _fitted(dim: int) -> int:
 def _singularities(rec: ReconstructionData, samples: Input) -> Iterator[_Sign]:
     """Where the samples are no K-manifold at all."""
     kept = np.ones(rec.num_samples, dtype=bool)
-    kept[rec.outliers] = False
+    kept[rec.left_out] = False
     if np.count_nonzero(kept) <= 2 * rec.dim + 2:
         return
     found = singularities_of(samples.subset(kept), rec.dim)

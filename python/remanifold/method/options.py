@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
 
 import numpy as np
@@ -122,6 +122,13 @@ class Options:
     def boundary_rule(self, num_samples: int) -> tuple[str, NDArray[np.bool_]]:
         """The core's rule for the boundary, and flags where it is given."""
         return check_boundary(self.boundary, num_samples)
+
+    def of_rows(self, rows: NDArray[np.int64] | None, num_samples: int) -> Options:
+        """The same for some of so many samples."""
+        rule, mask = self.boundary_rule(num_samples)
+        if rows is None or rule != "given":
+            return self
+        return replace(self, boundary=mask[rows])
 
     def for_core(self, num_samples: int, dim: int) -> _core.Options:
         """All of it in the words of the core."""

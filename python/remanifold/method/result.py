@@ -149,6 +149,9 @@ class ReconstructionData(ComplexData):
     stars: Stars | None = None
     unbounded: NDArray[np.bool_] | None = None
     edge_rule: str | None = None
+    invalid: NDArray[np.int32] = field(
+        default_factory=lambda: np.empty(0, dtype=np.int32)
+    )
     _report: dict[str, Any] = field(default_factory=dict)
     _frames: tuple[NDArray[np.float64], NDArray[np.int32], float] | None = None
 
@@ -161,6 +164,11 @@ class ReconstructionData(ComplexData):
     def num_vertices(self) -> int:
         """The same: samples in no simplex count."""
         return self.num_samples
+
+    @property
+    def left_out(self) -> NDArray[np.int32]:
+        """Outliers, and samples that are no points."""
+        return np.concatenate([self.outliers, self.invalid])
 
     @functools.cached_property
     def tangents(self) -> NDArray[np.float64] | None:
@@ -194,7 +202,7 @@ class ReconstructionData(ComplexData):
         )
         used = np.zeros(self.num_samples, dtype=bool)
         used[self.simplices.ravel()] = True
-        used[self.outliers] = True  # reported as such
+        used[self.left_out] = True  # reported as such
         none = np.empty(0, dtype=np.int32)
         no_simplices = np.empty((0, self.dim + 1), dtype=np.int32)
         return Repair(

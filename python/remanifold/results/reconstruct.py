@@ -11,9 +11,16 @@ import numpy as np
 from remanifold import _core
 from remanifold._base.progress import progress_callback
 from remanifold._base.samples import Points
-from remanifold._base.validation import check_dim, check_num_threads, check_samples
+from remanifold._base.validation import (
+    check_choice,
+    check_dim,
+    check_num_threads,
+    check_samples,
+)
+from remanifold.formats.writing import check_fields
 from remanifold.method.cleaning import as_points, smoothing_of
 from remanifold.method.dimension import find_dimension
+from remanifold.method.dropping import INVALID, filled, finite_rows, number_as_given
 from remanifold.method.options import CHECKS, Options
 from remanifold.method.programs import solve_program
 from remanifold.method.steps import EdgeSets, Stars, warn_of_recall
@@ -21,6 +28,7 @@ from remanifold.results.reconstruction import Reconstruction
 from remanifold.warnings import ManifoldWarning
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
     from typing import Literal
 
     from numpy.typing import ArrayLike, NDArray
@@ -41,6 +49,8 @@ def reconstruct(
     smooth: Literal["auto"] | bool | int = False,
     gram: ArrayLike | None = None,
     distances: ArrayLike | None = None,
+    attributes: Mapping[str, ArrayLike] | None = None,
+    invalid: Literal["raise", "drop"] = "raise",
     num_neighbors: int | None = None,
     estimator: Estimator | None = None,
     edges: EdgeRule | None = None,
@@ -79,6 +89,13 @@ def reconstruct(
     gram, distances : array_like, shape (N, N), optional
         Inner products or distances of the samples, instead of `points`. `gram` must be
         positive semidefinite, and Hermitian if complex.
+    attributes : mapping of str to array_like, optional
+        What is known of each sample, such as its color: numbers or bool of shape (N,) or
+        (N, C). They come back as `Reconstruction.vertex_attributes`, and go into files.
+    invalid : {"raise", "drop"}
+        Whether a sample with a coordinate that is not finite, or masked, is an error or
+        left out. Samples keep their numbers; `Reconstruction.invalid` lists those left
+        out.
     num_neighbors : int, optional
         Neighbors per sample for the tangent spaces: by default 3 times the unknowns of a
         quadratic fit, 3 (K + K (K+1) / 2); with the paper's method its r K = 10 K.
@@ -132,11 +149,23 @@ def reconstruct(
         search=search,
         checks=checks,
     )
-    samples = check_samples(points, gram, distances)
+    rows = None
+    if points is not None and invalid != "raise":
+        points, rows = finite_rows(points, invalid)
+    given = points if rows is None else np.asarray(points)[rows]
+    check_choice(invalid, "invalid", INVALID)
+    remedy = 'invalid="drop" leaves such samples out'
+    samples = check_samples(given, gram, distances, remedy)
+    count = len(samples) if rows is None else len(np.asarray(points))
+    known = check_fields(attributes, count, "attributes")
     threads = check_num_threads(num_threads)
     if isinstance(dim, str) and dim == "auto":
         dim = find_dimension(samples, threads, progress)
-    return reconstruct_samples(samples, dim, options, threads, progress)
+    rec = reconstruct_samples(samples, dim, options, threads, progress, rows, count)
+    for name, array in known.items():
+        rec.vertex_attributes[name] = array.copy()
+        rec.vertex_attributes[name].flags.writeable = False
+    return rec
 
 
 def reconstruct_samples(
@@ -145,11 +174,14 @@ def reconstruct_samples(
     options: Options,
     threads: int,
     progress: bool | Callback | None,
+    rows: NDArray[np.int64] | None = None,
+    count: int | None = None,
 ) -> Reconstruction:
-    """The same for samples that were checked."""
+    """The same for samples that were checked, or those with some numbers of so many."""
     k = check_dim(dim, samples)
     given = as_points(samples) if options.smooths else samples
-    choices = options.for_core(len(samples), k)
+    total = len(samples) if count is None else count
+    choices = options.of_rows(rows, total).for_core(len(samples), k)
     result: dict[str, Any]
     with progress_callback(progress) as callback:
         if options.is_paper:
@@ -166,6 +198,12 @@ def reconstruct_samples(
             )
     warn_of_recall(result["search"], result["recall"], stacklevel=4)
     known = isinstance(samples, Points)
+    invalid = np.empty(0, dtype=np.int32)
+    if rows is not None:
+        number_as_given(result, given, rows, total)
+        samples = Points(filled(samples.matrix, rows, total, np.nan))
+        given = samples
+        invalid = np.setdiff1d(np.arange(total), rows).astype(np.int32)
     smoothing = None
     if options.smooths:
         smoothing = smoothing_of(given, result["cleaning"], known)
@@ -185,9 +223,7 @@ def reconstruct_samples(
             "edge_rule": options.edge_rule,
         }
     else:
-        report = _finish_report(
-            result["repair"], k, *options.boundary_rule(len(samples))
-        )
+        report = _finish_report(result["repair"], k, *options.boundary_rule(total))
         if len(result["simplices"]) == 0:
             warnings.warn(
                 f"no {k}-dimensional simplices: the samples span too little, or are too "
@@ -204,6 +240,7 @@ def reconstruct_samples(
         boundary=result["boundary"],
         representatives=result["representatives"],
         outliers=result["cleaning"]["outliers"],
+        invalid=invalid,
         smoothing=smoothing,
         method=options.method,
         estimator=options.tangent_estimator,

@@ -11,7 +11,7 @@ import numpy as np
 from remanifold._base.read_only import ReadOnlyArrays
 from remanifold._base.text import one_line
 from remanifold._base.validation import check_choice
-from remanifold.formats.writing import holds_fields
+from remanifold.formats.writing import fitting_fields, write_valid
 from remanifold.judging.judged import QUALITY_FIELDS, JudgedReconstruction
 from remanifold.page.report_page import write_report
 from remanifold.results.simplicial_complex import SimplicialComplex
@@ -31,10 +31,11 @@ class Reconstruction(JudgedReconstruction, SimplicialComplex):
     Attributes
     ----------
     vertices : ndarray, shape (N, D), float64, or None
-        Where the samples stand in the complex: `samples`, or `smoothing.points`.
+        Where the samples stand in the complex: `samples`, or `smoothing.points`; NaN for
+        those of `invalid`.
     samples : ndarray, shape (N, D), float64, or None
-        The samples, a view of the given array where that was C-contiguous float64; None
-        where only `gram` or `distances` were given. They are as good vertices as
+        The samples, a view of the given array where that was C-contiguous float64 and no
+        sample is `invalid`; None where only `gram` or `distances` were given. They are as good vertices as
         `vertices`, noise included.
     simplices : ndarray, shape (M, K+1), int32
         K-simplices, rows in the order of their sorted vertices. Columns ascend, but with
@@ -48,6 +49,10 @@ class Reconstruction(JudgedReconstruction, SimplicialComplex):
         Lowest index of the samples that coincide with each sample.
     outliers : ndarray of int32
         Samples left out, ascending: they do not lie on the manifold of the others.
+    invalid : ndarray of int32
+        Samples that are no points and were left out by ``invalid="drop"``, ascending.
+    vertex_attributes : dict of str to ndarray
+        What ``attributes=`` gave, a row for each sample.
     smoothing : Smoothing or None
         How noisy the samples were and what was done about it; None with
         ``smooth=False``.
@@ -116,8 +121,8 @@ class Reconstruction(JudgedReconstruction, SimplicialComplex):
         path : str or path-like
             The file, see `SimplicialComplex.write`.
         fields : "auto", "all", None or mapping of str to array_like
-            Values at the vertices. "auto": those of `fields` that cost nothing, where
-            the format has fields. "all": those of `quality` too, which takes about as
+            Values at the vertices. "auto": those of `fields` that cost nothing, as far
+            as the format holds them. "all": those of `quality` too, which takes about as
             long as the reconstruction if it has not been asked for before.
         format : str, optional
             The format by its suffix, such as "ply", whatever the name of the file.
@@ -128,14 +133,24 @@ class Reconstruction(JudgedReconstruction, SimplicialComplex):
             If the format cannot hold the complex or the fields.
         OSError
             If the file cannot be written. Nothing is left behind.
+
+        Notes
+        -----
+        Samples of `invalid` have no place in a file: vertices are numbered without them,
+        and the field ``sample`` says which sample each is.
         """
         if isinstance(fields, str):
             check_choice(fields, "fields", ("auto", "all"))
-            if fields == "all" or holds_fields(path, format):
-                fields = self.fields(quality=True if fields == "all" else None)
-            else:
-                fields = None
-        super().write(path, fields, format=format)
+            all_fields = self.fields(quality=True if fields == "all" else None)
+            fields = (
+                all_fields
+                if fields == "all"
+                else fitting_fields(path, all_fields, format)
+            )
+        if len(self.invalid) and self.vertices is not None:
+            write_valid(path, self.vertices, self.simplices, fields, format=format)
+        else:
+            super().write(path, fields, format=format)
 
     def fields(self, *, quality: bool | None = None) -> dict[str, NDArray[Any]]:
         """Values at the vertices, by their names, as files and viewers take them.
@@ -148,13 +163,16 @@ class Reconstruction(JudgedReconstruction, SimplicialComplex):
         Returns
         -------
         dict of str to ndarray
-            Arrays of shape (N,). Always ``boundary`` and ``outlier``; with `quality`
+            Arrays of shape (N,). `vertex_attributes`; always ``boundary`` and
+            ``outlier``, where samples are `invalid` that too; with `quality`
             ``spacing``, ``curvature``, ``reach``, ``sampling_ratio``,
             ``tangent_confidence``, ``disputed``, ``fold``, ``gap`` and ``doubtful``.
         """
         outlier = np.zeros(self.num_samples, dtype=np.bool_)
         outlier[self.outliers] = True
+        # What is known now takes the place of what a file knew of an older result.
         fields: dict[str, NDArray[Any]] = {
+            **self.vertex_attributes,
             "boundary": self.boundary,
             "outlier": outlier,
         }

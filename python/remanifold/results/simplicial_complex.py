@@ -12,12 +12,12 @@ import numpy as np
 from remanifold._base.read_only import ReadOnlyArrays
 from remanifold._base.text import one_line
 from remanifold._base.validation import check_cells, check_points
-from remanifold.complex import geodesics, parts, projection
+from remanifold.complex import geodesics, normals, parts, projection
 from remanifold.complex.data import ComplexData
 from remanifold.complex.graphs import edge_graph
 from remanifold.drawing.plotting import plot
 from remanifold.formats import objects
-from remanifold.formats.writing import write_complex
+from remanifold.formats.writing import check_fields, write_complex
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -40,6 +40,9 @@ class SimplicialComplex(ComplexData):
         Positions; vertices that no simplex uses are allowed.
     simplices : array_like, shape (M, K+1)
         K-simplices, indices of vertices.
+    vertex_attributes : mapping of str to array_like, optional
+        What is known of each vertex, such as its color: numbers or bool of shape (N,) or
+        (N, C).
 
     Attributes
     ----------
@@ -48,6 +51,8 @@ class SimplicialComplex(ComplexData):
         known.
     simplices : ndarray, shape (M, K+1), int32
         K-simplices.
+    vertex_attributes : dict of str to ndarray
+        As given; `subset` and its like take them along, `write` writes them.
 
     Raises
     ------
@@ -71,6 +76,11 @@ class SimplicialComplex(ComplexData):
         object.__setattr__(self, "vertices", vertices)
         simplices = check_cells(self.simplices, len(vertices))
         object.__setattr__(self, "simplices", simplices)
+        attributes = check_fields(
+            self.vertex_attributes, len(vertices), "vertex_attributes"
+        )
+        copies = {name: array.copy() for name, array in attributes.items()}
+        object.__setattr__(self, "vertex_attributes", copies)
         super().__post_init__()
 
     def __repr__(self) -> str:
@@ -82,10 +92,28 @@ class SimplicialComplex(ComplexData):
             simplices=len(self.simplices),
         )
 
+    @functools.cached_property
+    def vertex_normals(self) -> NDArray[np.float64]:
+        """Unit normals at the vertices, (N, D), where K = D - 1; computed when asked for.
+
+        Those of the simplices around a vertex, so weighted that they are exact where the
+        vertices lie on a sphere. They point outwards where the simplices are oriented
+        so; NaN where there is none: at vertices in no simplex, and where orientations
+        contradict each other.
+
+        References
+        ----------
+        N. Max, Weights for computing vertex normals from facet normals, Journal of
+        Graphics Tools 4(2), 1999.
+        """
+        found = normals.vertex_normals(self)
+        found.flags.writeable = False
+        return found
+
     def write(
         self,
         path: StrPath,
-        fields: Mapping[str, ArrayLike] | None = None,
+        fields: str | Mapping[str, ArrayLike] | None = "auto",
         *,
         format: str | None = None,
     ) -> None:
@@ -96,8 +124,9 @@ class SimplicialComplex(ComplexData):
         path : str or path-like
             The file: ``.ply``, ``.obj``, ``.off``, ``.stl``, ``.vtk``, ``.vtu``,
             ``.glb``, ``.gltf``, or ``.npz`` for any K and D. See `io.write_mesh`.
-        fields : mapping of str to array_like, optional
-            Values at the vertices, of shape (N,) or (N, C): numbers or bool.
+        fields : "auto", None or mapping of str to array_like
+            Values at the vertices, of shape (N,) or (N, C): numbers or bool. "auto":
+            those of `vertex_attributes` that the format holds.
         format : str, optional
             The format by its suffix, such as "ply", whatever the name of the file.
 
@@ -380,6 +409,8 @@ class Subcomplex(SimplicialComplex):
     ----------
     vertices, simplices : ndarray
         As in `SimplicialComplex`; there may be none.
+    vertex_attributes : dict of str to ndarray
+        Those of the whole, for the vertices that are here.
     vertex_indices : ndarray, shape (N,), int32
         Number of each vertex in the complex that this is part of, ascending.
     """
@@ -396,5 +427,6 @@ def _as_complex(part: Part) -> Subcomplex:
         part.vertices,
         part.simplices,
         vertex_indices=part.vertex_indices,
+        vertex_attributes=part.vertex_attributes,
         _products=part._products,
     )

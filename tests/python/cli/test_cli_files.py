@@ -125,6 +125,142 @@ def test_info_of_very_few_points(tmp_path, points):
     assert run("info", tmp_path / "a.xyz").exit_code == 0
 
 
+def test_info_says_what_a_reconstruction_needs_to_know(tmp_path):
+    points = rm.datasets.torus(800, random_state=0)
+    table = np.column_stack([np.arange(800), points, np.arange(800) % 5])
+    np.savetxt(
+        tmp_path / "a.csv", table, delimiter=";", header="id;x;y;z;class", comments=""
+    )
+    result = run("info", tmp_path / "a.csv")
+    assert result.exit_code == 0, result.stderr
+    rows = rows_of(result.stdout)
+    assert rows["coordinates"] == "the columns x, y, z"
+    assert rows["dimension"].startswith("2, sure (confidence 0.")
+    assert rows["spread"].startswith("distances to the sixth neighbor vary 1.")
+    assert rows["it would take"] == "a second or less by one thread, 1 MB of memory"
+    assert "structure" not in rows
+    assert "units" not in rows
+    assert "cells are separated by semicolons" in result.stderr
+    report = json.loads(run("info", tmp_path / "a.csv", "--json").stdout)
+    assert report["dimension"]["dim"] == 2
+    assert report["expected"]["bytes"] == 800 * (290 + 48 * 3)
+    assert 0 < report["expected"]["seconds"] < 60
+    assert report["warnings"] == []
+    assert report["notes"] == ["cells are separated by semicolons"]
+    assert {*report["fields"]} == {"id", "class"}
+    brief = json.loads(run("info", tmp_path / "a.csv", "--json", "--brief").stdout)
+    assert brief["dimension"] is None
+    assert brief["spacing"] == report["spacing"]
+
+
+def test_info_says_what_was_guessed_and_what_looks_wrong(tmp_path):
+    grid = np.stack(np.meshgrid(range(20), range(15)), -1).reshape(-1, 2) / 1000
+    table = np.column_stack(
+        [np.arange(300), grid + np.array([13, 52]), 40 + 90 * grid[:, 0] ** 2]
+    )
+    table[:, 3] *= np.arange(1, 301)
+    np.savetxt(tmp_path / "a.txt", table, fmt="%.9f")
+    result = run("info", tmp_path / "a.txt")
+    rows = rows_of(result.stdout)
+    assert rows["structure"].startswith("a lattice over the coordinates 0, 1")
+    assert rows["units"].startswith("the first two coordinates look like degrees")
+    assert "column 0 counts the rows; --columns decides" in result.stderr
+    result = run("info", tmp_path / "a.txt", "--columns", "0,1")
+    assert rows_of(result.stdout)["points"] == "300 in R^2"
+    assert "guess" not in result.stderr
+    assert "decides" not in result.stderr
+
+
+# ---------------------------------------------------- columns, attributes, dropping
+
+
+@pytest.fixture
+def scan(tmp_path):
+    """A table with colors, in which every fifth row has no point."""
+    points = rm.datasets.torus(500, random_state=0)
+    lines = ["id,x,y,z,red,green,blue"]
+    for i, (x, y, z) in enumerate(points.tolist()):
+        place = ",," if i % 5 == 0 else f"{x!r},{y!r},{z!r}"
+        lines.append(f"{i},{place},{i % 256},{i // 2},7")
+    (tmp_path / "scan.csv").write_text("\n".join(lines))
+    return tmp_path / "scan.csv"
+
+
+def test_from_a_colored_scan_with_gaps_to_a_colored_mesh(scan, tmp_path):
+    failed = run("reconstruct", scan, "-k", 2, "-o", tmp_path / "a.ply")
+    assert failed.exit_code == 1
+    assert "100 of 500 points are not finite, the first is point 0" in failed.stderr
+    assert "--drop-invalid leaves them out" in failed.stderr
+    options = ("-k", 2, "--drop-invalid")
+    result = run("reconstruct", scan, *options, "-o", tmp_path / "a.ply", "--json")
+    assert result.exit_code == 0, result.stderr
+    report = json.loads(result.stdout)
+    assert report["betti_numbers"] == [1, 2, 1]
+    assert report["invalid_samples"] == 100
+    fields = read_fields(tmp_path / "a.ply")
+    kept = np.flatnonzero(np.arange(500) % 5)
+    np.testing.assert_array_equal(fields["sample"], kept)
+    np.testing.assert_array_equal(fields["id"], kept)
+    np.testing.assert_array_equal(fields["colors"][:, 0], kept % 256)
+    result = run("reconstruct", scan, *options, "-o", tmp_path / "a.obj")
+    assert "note: .obj has no room for id" in result.stderr
+    np.testing.assert_array_equal(
+        read_fields(tmp_path / "a.obj")["colors"], fields["colors"]
+    )
+    assert rows_of(result.stdout)["not finite"] == "100, left out"
+    result = run(
+        "reconstruct", scan, *options, "-o", tmp_path / "b.ply", "--fields", "none"
+    )
+    assert read_fields(tmp_path / "b.ply") == {}
+    result = run("dimension", scan, "--drop-invalid", "--json")
+    assert json.loads(result.stdout)["dim"] == 2
+    assert run("dimension", scan).exit_code == 1
+    page = run("report", scan, *options, "-o", tmp_path / "a.html")
+    assert page.exit_code == 0, page.stderr
+
+
+@pytest.mark.parametrize(
+    ("columns", "code", "message"),
+    [
+        ("red,green", 0, "500 in R^2"),
+        ("4,5,6", 0, "500 in R^3"),
+        (
+            "red,purple",
+            1,
+            "there is no 'purple'; there are id, x, y, z, red, green, blue",
+        ),
+        ("0,9", 1, "there is no column 9, only 0 to 6"),
+        ("red,red", 2, "columns has 'red' twice"),
+    ],
+)
+def test_columns_on_the_command_line(scan, columns, code, message):
+    result = run("info", scan, "--columns", columns, "--brief")
+    assert result.exit_code == code
+    shown = " ".join((result.stdout + result.stderr).replace("│", " ").split())
+    assert message in shown
+
+
+def test_what_a_file_seems_to_be(tmp_path):
+    for name, content, message in (
+        ("a.dat", b"1 2 3\n4 5 6\n7 8 9\n", "a table with blanks: say --format txt"),
+        ("a.ply", b"\x89PNG\r\n\x1a\n", "it seems to be a PNG picture"),
+        ("a.las", b"<!DOCTYPE html>", "it seems to be a web page, not the file itself"),
+        ("a.laz", b"version https://git-lfs.github.com/spec/v1", "run git lfs pull"),
+        ("a.xyz", b"\x1f\x8b\x08\0\0\0\0", "compressed by gzip: gunzip it first"),
+        ("a.csv", b"PK\3\4" + b"\0" * 26 + b"xl/workbook.xml", "save it as .csv"),
+        ("a.off", b"ply\nformat ascii 1.0\n", "a PLY file: say --format ply"),
+        ("a.npy", b"\x80\x04\x95", "a pickle of Python; save its array by numpy.save"),
+        ("a.txt", b"", "the file is empty"),
+        ("a", b"OFF\n0 0 0\n", "an OFF file: say --format off, or name it .off"),
+    ):
+        (tmp_path / name).write_bytes(content)
+        result = run("info", tmp_path / name)
+        assert result.exit_code == 1
+        assert message in result.stderr, result.stderr
+        assert result.stderr.startswith(f"remanifold: error: {tmp_path / name}")
+        assert result.stderr.count("\n") == 1
+
+
 def test_info_of_several_dimensions(tmp_path):
     text = "".join(f"v {x} {y} {z}\n" for x, y, z in SQUARE)
     (tmp_path / "a.obj").write_text(text + "f 1 2 3\nf 1 3 4\nf 1 3 4\nl 1 2 5\n")
@@ -163,7 +299,7 @@ def test_convert_keeps_all(square, tmp_path, suffix):
         ("a.obj", "the fields height"),
         ("a.off", "the fields height"),
         ("a.stl", "the fields height; 1 vertices in no triangle"),
-        ("a.csv", "the fields height; 2 triangles"),
+        ("a.csv", "2 triangles"),
         ("a.npy", "the fields height; 2 triangles"),
         ("a.glb", "the digits of the coordinates beyond single precision"),
     ],
@@ -207,7 +343,9 @@ def test_convert_a_scan_with_what_goes_along(tmp_path):
     assert run("convert", tmp_path / "a.laz", tmp_path / "a.ply").exit_code == 0
     np.testing.assert_array_equal(read_points(tmp_path / "a.ply"), SQUARE)
     assert read_fields(tmp_path / "a.ply")["intensity"].tolist() == [0, 1, 2, 3, 4]
-    failed = run("convert", tmp_path / "a.laz", tmp_path / "a.csv")
+    assert run("convert", tmp_path / "a.laz", tmp_path / "a.csv").exit_code == 0
+    assert read_fields(tmp_path / "a.csv")["intensity"].tolist() == [0, 1, 2, 3, 4]
+    failed = run("convert", tmp_path / "a.laz", tmp_path / "a.npy")
     assert failed.exit_code == 2
     assert "intensity" in failed.stderr
 

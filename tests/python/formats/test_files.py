@@ -251,7 +251,7 @@ def test_fields_that_do_not_fit(tmp_path, fields, message):
 def test_fields_that_a_format_cannot_hold(tmp_path):
     for suffix in (".obj", ".off", ".stl"):
         with pytest.raises(
-            ValueError, match=r"'a'; use \.ply, \.vtk, \.vtu, \.glb, \.gltf, \.n"
+            ValueError, match=r"'a'; use \.ply, \.vtk, \.vtu, \.vtp, \.glb, \.gltf, \.n"
         ):
             write_mesh(
                 tmp_path / f"a{suffix}", POINTS, SIMPLICES[2], fields={"a": np.ones(6)}
@@ -299,11 +299,31 @@ def test_polygons_that_are_not_convex(tmp_path, start):
     assert areas.sum() == pytest.approx(8.0)
 
 
-def test_polygon_that_no_corner_sees(tmp_path):
-    comb = [[0, 0], [6, 0], [6, 3], [5, 1], [4, 3], [3, 1], [2, 3], [1, 1], [0, 3]]
-    text = obj([[x, y, 0] for x, y in comb], "f 1 2 3 4 5 6 7 8 9")
-    with pytest.raises(ValueError, match="face 0 has 9 corners and none that sees all"):
-        read_complex(put(tmp_path / "a.obj", text))
+COMB = [[0, 0], [6, 0], [6, 3], [5, 1], [4, 3], [3, 1], [2, 3], [1, 1], [0, 3]]
+
+
+@pytest.mark.parametrize("step", [1, -1])
+@pytest.mark.parametrize("axes", [(0, 1, 2), (1, 2, 0), (2, 0, 1)])
+def test_polygon_that_no_corner_sees(tmp_path, step, axes):
+    """Of either orientation, in any plane of coordinates, from any corner."""
+    for first in range(9):
+        order = [(first + step * i) % 9 for i in range(9)]
+        points = np.array([[x, y, 0] for x, y in COMB])[:, axes]
+        face = " ".join(str(i + 1) for i in order)
+        found = read_complex(put(tmp_path / "a.obj", obj(points, f"f {face}")))
+        assert len(found.simplices) == 7
+        corners = found.vertices[found.simplices]
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        out = normals[:, np.argmin(np.ptp(points, axis=0))]
+        turned = np.linalg.det(np.eye(3)[list(axes)])
+        assert (out * step * turned > 0).all()
+        assert np.abs(out).sum() / 2 == pytest.approx(12.0)
+
+
+def test_polygon_that_crosses_itself(tmp_path):
+    bow = [[0, 0, 0], [4, 3, 0], [4, 0, 0], [0, 3, 0], [2, 5, 0]]
+    with pytest.raises(ValueError, match="face 0 has 5 corners and crosses itself"):
+        read_complex(put(tmp_path / "a.obj", obj(bow, "f 1 2 3 4 5")))
 
 
 def test_polygons_in_many_coordinates_are_refused(tmp_path):
@@ -355,15 +375,15 @@ def test_simplices_of_several_dimensions(tmp_path):
                 "# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\n"
                 "POINTS 1 float\n1 2 3\nCELLS 1 9\n8 0 0 0 0 0 0 0 0\nCELL_TYPES 1\n12\n"
             ),
-            "cells of VTK's type 12; only edges, polygons and tetrahedra",
+            r"holds hexahedra \(VTK's type 12\); only edges, polygons and tetrahedra",
         ),
         (
             "a.vtk",
             (
                 "# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\n"
-                "POINTS 1 float\n1 2 3\nTRIANGLE_STRIPS 1 4\n3 0 0 0\n"
+                "POINTS 1 float\n1 2 3\nTRIANGLE_STRIPS 1 4\n3 0 0 7\n"
             ),
-            "line 7: holds triangle strips",
+            "has a face with vertex 7",
         ),
         (
             "a.vtk",
@@ -497,9 +517,9 @@ def test_points_that_cannot_be_written(tmp_path):
     with pytest.raises(ValueError, match=r"cannot write points to \.laz; use one of"):
         write_points(tmp_path / "a.laz", POINTS)
     with pytest.raises(
-        ValueError, match=r"csv cannot hold the fields 'a'; use \.ply, "
+        ValueError, match=r"npy cannot hold the fields 'a'; use \.ply, "
     ):
-        write_points(tmp_path / "a.csv", POINTS, fields={"a": np.ones(6)})
+        write_points(tmp_path / "a.npy", POINTS, fields={"a": np.ones(6)})
     with pytest.raises(ValueError, match="points must be real numbers of shape"):
         write_points(tmp_path / "a.csv", POINTS[0])
     with pytest.raises(FileNotFoundError, match="does not exist"):
@@ -731,6 +751,8 @@ def test_nonsense_is_refused(tmp_path, suffix, content):
 def test_content_of_another_format_is_refused(tmp_path, suffix):
     for path in [*examples(tmp_path)]:
         related = {path.suffix, suffix}
-        if related in ({".npz", ".npy"}, {".las", ".laz"}) or len(related) == 1:
+        # Tables are read whatever separates their cells.
+        same = ({".npz", ".npy"}, {".las", ".laz"}, {".csv", ".xyz"})
+        if related in same or len(related) == 1:
             continue
         assert read_all(put(tmp_path / f"other{suffix}", path.read_bytes())), path.name

@@ -21,7 +21,10 @@ from remanifold.method.options import Options
 
 FIELDS = {field.name: field.default for field in dataclasses.fields(Options)}
 # What reconstruct takes besides options.
-SAMPLES = {"points", "dim", "gram", "distances", "num_threads", "progress"}
+SAMPLES = {
+    *("points", "dim", "gram", "distances", "attributes", "invalid"),
+    *("num_threads", "progress"),
+}
 
 
 def test_reconstruct_takes_each_option_with_its_default():

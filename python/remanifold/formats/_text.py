@@ -1,0 +1,302 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tables in text, whatever separates their numbers and whatever comes before them."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from remanifold.formats._mesh import Table
+from remanifold.formats._seems import START, seems
+from remanifold.formats._source import Source
+
+_LINES = re.compile(r"\r\n|\n|\r")
+_COMMENT = re.compile(r"\s*(#|//|%)")
+_DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?")
+_MISSING = frozenset(("", "na", "n/a", "null", "none", "nil", "-", "--", "?", "nan()"))
+_SEPARATORS = {
+    ",": "commas",
+    ";": "semicolons",
+    "\t": "tabs",
+    "|": "bars",
+    None: "blanks",
+}
+_MOST_SHOWN = 60
+
+Rows = Iterator[tuple[int, list[str]]]
+
+
+@dataclass
+class Layout:
+    """How a table is written: where it begins, and what separates its cells."""
+
+    start: int  # line, from 0
+    separator: str | None  # None for blanks
+    comma: bool  # decimal commas
+    names: list[str] | None
+    expected: int | None = None  # rows, where the file begins with their number
+
+
+def is_number(cell: str) -> bool:
+    """Whether a cell is one."""
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    # float() takes 1_000 too, which no table means.
+    return "_" not in cell
+
+
+def split_lines(text: str) -> list[str]:
+    """Lines as files end them; others ends are part of a cell."""
+    lines = _LINES.split(text)
+    if lines and not lines[-1]:
+        lines.pop()
+    return lines
+
+
+def read_columns(source: Source, usual: str | None, counted: bool = False) -> Table:
+    """Read a table: `usual` separates cells unless the file shows otherwise.
+
+    With `counted` a first line of one whole number is that of the rows.
+    """
+    # A file of another format may look like a table of words and numbers.
+    suffix = seems(source.data[:START])[1]
+    if suffix is not None and suffix not in (".csv", ".txt"):
+        source.fail("is no table")
+    lines = split_lines(source.decoded())
+    layout = find_layout(lines, usual, counted)
+    if layout.separator != usual and layout.separator is not None:
+        source.note(f"cells are separated by {_SEPARATORS[layout.separator]}")
+    if layout.comma:
+        source.note("decimals are written with commas")
+    columns = _fast(lines, layout)
+    if columns is None:
+        columns = _careful(source, lines, layout, counted)
+    found = len(columns[0]) if columns else 0
+    if layout.expected is not None and found < layout.expected:
+        source.fail(f"is truncated: expected {layout.expected} points, found {found}")
+    if layout.expected is not None and found > layout.expected:
+        source.guess(
+            f"its first line says {layout.expected} points, but there are {found}: all "
+            "are read"
+        )
+    return Table(columns, _fitting_names(layout.names, len(columns)))
+
+
+def _fitting_names(names: list[str] | None, count: int) -> list[str] | None:
+    if names is None or count == 0:
+        return None
+    if len(names) == count - 1:  # as R writes them: the first column numbers the rows
+        return ["", *names]
+    return names[:count] + [""] * (count - len(names))
+
+
+def find_layout(lines: list[str], usual: str | None, counted: bool) -> Layout:
+    """Find separator, decimals, names and the line of the first row."""
+    said: list[str] = []  # comments before the table, which may be its names
+    expected = None
+    start = 0
+    while start < len(lines):
+        line = lines[start]
+        mark = _COMMENT.match(line)
+        if mark is not None:
+            said.append(line[mark.end() :])
+        elif line.strip():
+            if not (counted and expected is None and line.strip().isdecimal()):
+                break
+            following = next((x for x in lines[start + 1 :] if x.strip()), "")
+            if len(line.strip()) > 15 or len(following.split()) == 1:
+                break
+            expected = int(line)
+            if following.strip() and not _has_numbers(following):
+                start = lines.index(following, start + 1)  # a comment
+        start += 1
+    sample = [
+        x for x in lines[start : start + 20] if x.strip() and not _COMMENT.match(x)
+    ]
+    separator, comma = _separator(sample, usual)
+    names = None
+    if sample:
+        cells = _cells(sample[0], separator)
+        if not any(is_number(_decimal(cell, comma)) for cell in cells) and any(cells):
+            names = cells
+            start += 1
+            while start < len(lines) and _is_units(lines[start], separator, comma):
+                start += 1
+        elif said:
+            names = _names_in_comment(said[-1], separator, len(cells))
+    return Layout(start, separator, comma, names, expected)
+
+
+def _has_numbers(line: str) -> bool:
+    return sum(is_number(word) for word in re.split(r"[\s,;]+", line.strip())) > 1
+
+
+def _is_units(line: str, separator: str | None, comma: bool) -> bool:
+    """A second line of words, such as [m], or an empty one."""
+    cells = _cells(line, separator)
+    return all(re.fullmatch(r"[\[(].*[\])]|", cell) for cell in cells) and not comma
+
+
+def _names_in_comment(text: str, separator: str | None, count: int) -> list[str] | None:
+    """Names in a comment above the table, where they are those of coordinates."""
+    for names in (_cells(text, separator), text.replace(",", " ").split()):
+        folded = [name.lower() for name in names]
+        if len(names) == count and (
+            {"x", "y"} <= {*folded} or {"x1", "x2"} <= {*folded} or folded[:1] == ["x1"]
+        ):
+            return names
+    return None
+
+
+def _separator(sample: list[str], usual: str | None) -> tuple[str | None, bool]:
+    """What separates cells, and whether decimals are written with commas."""
+    rows = [line for line in sample if re.search(r"\d", line)] or sample
+    if not rows:
+        return usual, False
+    row = rows[-1]
+    for mark in (";", "\t", "|"):
+        if mark in row and all(mark in line for line in rows):
+            cells = [cell.strip() for cell in row.split(mark)]
+            comma = any(_DECIMAL_COMMA.fullmatch(cell) for cell in cells)
+            if mark == "\t" and usual is None and not comma and "" not in cells:
+                return None, False  # tabs are blanks
+            return mark, comma
+    words = row.split()
+    if len(words) > 1 and all(
+        _DECIMAL_COMMA.fullmatch(word) or is_number(word) for word in words
+    ):
+        comma = any(_DECIMAL_COMMA.fullmatch(word) for word in words)
+        return None, comma
+    if "," in row and (usual == "," or all("," in line for line in rows)):
+        return ",", False
+    if usual == "," and len(words) > 1 and not any("," in line for line in rows):
+        return None, False
+    return usual, False
+
+
+def _cells(line: str, separator: str | None) -> list[str]:
+    if separator is None:
+        return line.split()
+    cells = next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])
+    return [cell.strip() for cell in cells]
+
+
+def _decimal(cell: str, comma: bool) -> str:
+    return cell.replace(",", ".") if comma else cell
+
+
+def _fast(lines: list[str], layout: Layout) -> list[NDArray[Any]] | None:
+    """Read numbers and nothing else by NumPy; None where anything is unusual."""
+    rows = lines[layout.start :]
+    if layout.comma:
+        rows = [row.replace(",", ".") for row in rows]
+    if not rows or any("_" in row for row in rows[:20]):
+        return None
+    try:
+        array = np.loadtxt(
+            rows,
+            dtype=np.float64,
+            comments="#",
+            delimiter=layout.separator,
+            ndmin=2,
+        )
+    except (ValueError, OverflowError):
+        return None
+    return [*array.T] if array.size else None
+
+
+def _careful(
+    source: Source, lines: list[str], layout: Layout, counted: bool
+) -> list[NDArray[Any]]:
+    """Read row by row, with cells that are missing or words, and say where it breaks."""
+    words = _SEPARATORS[layout.separator]
+    rows: list[list[str]] = []
+    at: list[int] = []
+    width = 0
+    block = layout.expected
+    for number, cells in _rows(source, lines, layout):
+        if counted and width > 2 and len(cells) == 1 and cells[0].isdecimal():
+            # Another scan begins with the number of its points.
+            block = None if block is None else block + int(cells[0][:18])
+            layout.expected = block
+            continue
+        if rows and len(cells) != width:
+            if len(cells) == width + 1 and not cells[-1]:
+                cells = cells[:-1]
+            else:
+                culprit = next((c for c in cells if not is_number(c) and c), None)
+                what = f"expected {width} numbers as before, found {len(cells)}"
+                if culprit is not None and layout.separator is None:
+                    culprit = culprit[:_MOST_SHOWN]
+                    what = f"expected numbers separated by {words}, found {culprit!r}"
+                source.fail(what, line=number)
+        width = len(cells)
+        rows.append(cells)
+        at.append(number)
+    if not rows:
+        return []
+    if layout.names is not None and width > len(layout.names) + 1:
+        if not any(row[-1] for row in rows):
+            width -= 1  # a separator at the end of each line
+        if width > len(layout.names) + 1:
+            what = f"expected {len(layout.names)} numbers, as many as names"
+            source.fail(f"{what}, found {width}", line=at[0])
+    columns = [_column(source, rows, at, i, layout) for i in range(width)]
+    if not any(column.dtype.kind == "f" for column in columns):
+        shown = rows[0][0][:_MOST_SHOWN]
+        what = f"expected numbers separated by {words}, found {shown!r}"
+        source.fail(what, line=at[0])
+    return columns
+
+
+def _rows(source: Source, lines: list[str], layout: Layout) -> Rows:
+    rest = lines[layout.start :]
+    if layout.separator is None:
+        for number, line in enumerate(rest, layout.start + 1):
+            if not _COMMENT.match(line) and (cells := line.partition("#")[0].split()):
+                yield number, cells
+        return
+    reader = csv.reader(rest, delimiter=layout.separator, skipinitialspace=True)
+    try:
+        for cells in reader:
+            if any(cells) and not _COMMENT.match(cells[0]):
+                yield reader.line_num + layout.start, [cell.strip() for cell in cells]
+    except csv.Error as error:
+        what = f"no text in columns ({error})"
+        source.fail(what, error, reader.line_num + layout.start)
+
+
+def _column(
+    source: Source, rows: list[list[str]], at: list[int], i: int, layout: Layout
+) -> NDArray[Any]:
+    """Numbers, NaN where there are none, or words if no cell is a number."""
+    cells = [_decimal(row[i], layout.comma) for row in rows]
+    try:
+        if not any("_" in cell for cell in cells):
+            return np.array([float(cell) for cell in cells])
+    except ValueError:
+        pass
+    numbers = [is_number(cell) for cell in cells]
+    missing = [cell.lower() in _MISSING for cell in cells]
+    # Several rows of words are words; a single one stands where a number should.
+    wrong = [
+        k for k, (a, b) in enumerate(zip(numbers, missing, strict=True)) if not (a or b)
+    ]
+    if wrong and (any(numbers) or len(cells) < 2):
+        k = wrong[0]
+        shown = rows[k][i][:_MOST_SHOWN]
+        what = f"expected numbers separated by {_SEPARATORS[layout.separator]}"
+        source.fail(f"{what}, found {shown!r}", line=at[k])
+    if wrong:
+        return np.array(cells)
+    return np.array(
+        [float(c) if a else np.nan for c, a in zip(cells, numbers, strict=True)]
+    )

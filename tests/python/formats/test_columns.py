@@ -1,0 +1,386 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which columns are coordinates: by name, by what they hold, as asked for."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import remanifold as rm
+from remanifold.io import read, read_fields, read_points, write_points
+
+RNG = np.random.default_rng(0)
+XYZ = np.round(RNG.normal(size=(40, 3)), 4)
+COLORS = RNG.integers(0, 256, (40, 3))
+NORMALS = XYZ / np.linalg.norm(XYZ, axis=1, keepdims=True)
+COUNT = np.arange(40)[:, None]
+
+
+def put(path, content):
+    path.write_bytes(content.encode() if isinstance(content, str) else content)
+    return path
+
+
+def table(path, names, *columns, separator=",", comment=""):
+    rows = np.column_stack(columns)
+    lines = [separator.join(f"{v:.10g}" for v in row) for row in rows]
+    head = [comment + separator.join(names)] if names else []
+    return put(path, "\n".join([*head, *lines, ""]))
+
+
+# ------------------------------------------------------------------------ by name
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        ["id", "x", "y", "z"],
+        ["index", "X", "Y", "Z"],
+        ["", "x", "y", "z"],
+        ["time", "x [m]", "y [m]", "z [m]"],
+        ["intensity", "pos_x", "pos_y", "pos_z"],
+        ["label", "x_coord", "y_coord", "z_coord"],
+        ["v", "Points:0", "Points:1", "Points:2"],
+        ["q", "x1", "x2", "x3"],
+        ["q", "x_0", "x_1", "x_2"],
+        ["id", "easting", "northing", "height"],
+        ["id", "PC1", "PC2", "PC3"],
+        ["Unnamed: 0", "dim 1", "dim 2", "dim 3"],
+    ],
+)
+def test_coordinates_by_their_names(tmp_path, names):
+    path = table(tmp_path / "a.csv", names, COUNT, XYZ)
+    points, attributes = read(path)
+    np.testing.assert_array_equal(points, XYZ)
+    assert len(attributes) == 1
+    np.testing.assert_array_equal(next(iter(attributes.values())), COUNT.ravel())
+
+
+def test_names_in_any_order_with_fields_between(tmp_path):
+    path = table(
+        tmp_path / "a.csv",
+        ["red", "z", "nx", "green", "y", "blue", "ny", "nz", "class", "x"],
+        *(COLORS[:, 0], XYZ[:, 2], NORMALS[:, 0], COLORS[:, 1], XYZ[:, 1]),
+        *(COLORS[:, 2], NORMALS[:, 1], NORMALS[:, 2], COUNT % 3, XYZ[:, 0]),
+    )
+    points, attributes = read(path)
+    np.testing.assert_array_equal(points, XYZ)
+    assert {*attributes} == {"colors", "normals", "class"}
+    assert attributes["colors"].dtype == np.uint8
+    np.testing.assert_array_equal(attributes["colors"], COLORS)
+    np.testing.assert_allclose(attributes["normals"], NORMALS, atol=1e-9)
+
+
+def test_a_name_less_than_columns_as_r_writes_tables(tmp_path):
+    path = table(tmp_path / "a.txt", ["x", "y", "z"], COUNT, XYZ, separator=" ")
+    points, attributes = read(path)
+    np.testing.assert_array_equal(points, XYZ)
+    assert [*attributes] == ["index"]
+
+
+@pytest.mark.parametrize("comment", ["# ", "//", "% "])
+def test_names_in_a_comment(tmp_path, comment):
+    names = ["x", "y", "z", "intensity"]
+    path = table(tmp_path / "a.txt", names, XYZ, COUNT, separator=" ", comment=comment)
+    points, attributes = read(path)
+    np.testing.assert_array_equal(points, XYZ)
+    assert [*attributes] == ["intensity"]
+
+
+def test_longitude_and_latitude_are_no_lengths(tmp_path):
+    degrees = np.column_stack([RNG.uniform(13, 14, 40), RNG.uniform(52, 53, 40)])
+    path = table(tmp_path / "a.csv", ["lat", "lon", "alt"], degrees[:, ::-1], COUNT)
+    with pytest.warns(rm.FileWarning, match="angles, not lengths.*project them"):
+        points = read_points(path)
+    np.testing.assert_allclose(points[:, :2], degrees, atol=1e-7)
+    assert points.shape == (40, 3)
+
+
+def test_names_that_say_nothing_of_coordinates(tmp_path):
+    path = table(tmp_path / "a.csv", ["id", "length", "width", "mass"], COUNT, XYZ)
+    with pytest.warns(rm.FileWarning, match="no columns are called x, y, z: .* length"):
+        points = read_points(path)
+    np.testing.assert_array_equal(points, XYZ)
+
+
+def test_names_that_programs_make_up_are_none(tmp_path):
+    path = table(tmp_path / "a.csv", ["V1", "V2", "V3", "V4"], COUNT, XYZ)
+    with pytest.warns(rm.FileWarning, match="column 0 counts the rows"):
+        np.testing.assert_array_equal(read_points(path), XYZ)
+
+
+def test_words_become_numbers(tmp_path):
+    lines = [
+        "kind,x,y",
+        *(f"{'tree' if i % 2 else 'car'},{i}.5,{i * i}.25" for i in range(9)),
+    ]
+    points, attributes = read(put(tmp_path / "a.csv", "\n".join(lines)))
+    assert points.shape == (9, 2)
+    assert attributes["kind"].tolist() == [0, 1] * 4 + [0]
+    assert attributes["kind"].dtype == np.int32
+
+
+def test_cells_that_are_empty_are_nan(tmp_path):
+    path = put(tmp_path / "a.csv", "x,y,z\n1,2,3\n4,,6\nNA,null,9\n")
+    points = read_points(path)
+    np.testing.assert_array_equal(
+        points, [[1, 2, 3], [4, np.nan, 6], [np.nan] * 2 + [9]]
+    )
+
+
+# ---------------------------------------------------------------------- by content
+
+
+@pytest.mark.parametrize("suffix", [".txt", ".npy", ".csv"])
+def test_colors_normals_and_counts_are_found_in_what_has_no_names(tmp_path, suffix):
+    path = tmp_path / f"a{suffix}"
+
+    def write(*columns):
+        if suffix == ".npy":
+            np.save(path, np.column_stack(columns))
+        else:
+            table(path, [], *columns, separator="," if suffix == ".csv" else " ")
+
+    write(XYZ, COLORS)
+    with pytest.warns(rm.FileWarning, match="columns 3 to 5 hold colors; columns= dec"):
+        points, attributes = read(path)
+    np.testing.assert_array_equal(points, XYZ)
+    np.testing.assert_array_equal(attributes["colors"], COLORS)
+    write(XYZ, NORMALS, COLORS)
+    with pytest.warns(rm.FileWarning, match="columns 3 to 5 hold normals"):
+        points, attributes = read(path)
+    assert {*attributes} == {"normals", "colors"}
+    np.testing.assert_allclose(attributes["normals"], NORMALS, atol=1e-9)
+    write(COUNT + 1, XYZ)
+    with pytest.warns(rm.FileWarning, match="column 0 counts the rows"):
+        points, attributes = read(path)
+    np.testing.assert_array_equal(points, XYZ)
+    assert [*attributes] == ["index"]
+    write(XYZ, COUNT % 4)
+    with pytest.warns(rm.FileWarning, match="column 3 holds a few whole numbers"):
+        np.testing.assert_array_equal(read_points(path), XYZ)
+
+
+@pytest.mark.parametrize("suffix", [".txt", ".npy", ".csv"])
+def test_what_shows_no_sign_stays_a_coordinate(tmp_path, suffix):
+    """Seven measured numbers, a plane of zeros, whole numbers in all columns."""
+    path = tmp_path / f"a{suffix}"
+    for points in (
+        RNG.normal(size=(40, 7)),
+        np.column_stack([XYZ, np.zeros(40)]),
+        RNG.integers(0, 255, (40, 6)),
+        np.arange(9 * 3).reshape(9, 3),
+        np.column_stack([np.arange(40), XYZ[:, 0]]),  # a graph of a function
+    ):
+        if suffix == ".npy":
+            np.save(path, points)
+        else:
+            table(path, [], points, separator="," if suffix == ".csv" else " ")
+        assert read_points(path).shape == points.shape
+
+
+@pytest.mark.parametrize("suffix", [".xyz", ".asc", ".pts"])
+def test_formats_of_space_have_three_coordinates(tmp_path, suffix):
+    path = table(tmp_path / f"a{suffix}", [], XYZ, XYZ[:, :1], COLORS, separator=" ")
+    with pytest.warns(rm.FileWarning, match="others are intensity, red, green, blue"):
+        points, attributes = read(path)
+    np.testing.assert_array_equal(points, XYZ)
+    assert {*attributes} == {"intensity", "colors"}
+
+
+def test_a_first_column_that_only_increases_is_named(tmp_path):
+    times = np.sort(RNG.uniform(0, 10, 40))
+    path = table(tmp_path / "a.txt", [], times, XYZ, separator=" ")
+    with pytest.warns(rm.FileWarning, match="only ever increases, as time does"):
+        assert read_points(path).shape == (40, 4)
+
+
+# -------------------------------------------------------------------- as asked for
+
+
+@pytest.mark.parametrize(
+    ("columns", "expected"),
+    [
+        ("x,y", [0, 1]),
+        ("2,0", [2, 0]),
+        (["z", 0], [2, 0]),
+        ([-1], [3]),
+        (np.array([1, 3]), [1, 3]),
+        ("X, Z", [0, 2]),
+    ],
+)
+@pytest.mark.parametrize(
+    "suffix", [".csv", ".txt", ".ply", ".npz", ".vtk", ".vtu", ".vtp", ".parquet"]
+)
+def test_columns_that_were_asked_for(tmp_path, suffix, columns, expected):
+    if suffix == ".parquet":
+        pytest.importorskip("pyarrow")
+    path = tmp_path / f"a{suffix}"
+    write_points(path, XYZ, fields={"heat": COUNT.ravel() / 7})
+    whole = np.column_stack([XYZ, COUNT / 7])
+    np.testing.assert_array_equal(
+        read_points(path, columns=columns), whole[:, expected]
+    )
+    # What is no coordinate is a field.
+    left = {*range(4)} - {*expected}
+    fields = read_fields(path, columns=columns)
+    assert {*fields} == {("x", "y", "z", "heat")[i] for i in left}
+
+
+def test_a_field_of_several_columns(tmp_path):
+    write_points(
+        tmp_path / "a.ply", XYZ, fields={"normals": NORMALS, "code": XYZ[:, :2]}
+    )
+    np.testing.assert_array_equal(
+        read_points(tmp_path / "a.ply", columns="normals"), NORMALS
+    )
+    points, attributes = read(tmp_path / "a.ply", columns=["code", "z"])
+    np.testing.assert_array_equal(points, XYZ)
+    assert {*attributes} == {"x", "y", "normals"}
+
+
+def test_ply_without_x_is_read_if_columns_say_what_is(tmp_path):
+    head = (
+        "ply\nformat ascii 1.0\nelement vertex 2\nproperty float u\nproperty float v\n"
+    )
+    path = put(tmp_path / "a.ply", head + "end_header\n1 2\n3 4\n")
+    with pytest.raises(ValueError, match="expected vertex properties x, y, z, found u"):
+        read_points(path)
+    assert read_points(path, columns="u,v").tolist() == [[1, 2], [3, 4]]
+
+
+@pytest.mark.parametrize(
+    ("columns", "error", "message"),
+    [
+        ("x,w", ValueError, "columns: there is no 'w'; there are x, y, z"),
+        ("0,3", ValueError, "columns: there is no column 3, only 0 to 2"),
+        ("x,x", ValueError, "columns has 'x' twice"),
+        (["x", 0], ValueError, "columns: 0 is there twice"),
+        ("", ValueError, "columns is"),
+        ([], ValueError, "columns is"),
+        (1.5, TypeError, "columns must be names or numbers from 0"),
+        ([True], TypeError, "columns must be names or numbers from 0"),
+    ],
+)
+def test_columns_that_there_are_not(tmp_path, columns, error, message):
+    path = table(tmp_path / "a.csv", ["x", "y", "z"], XYZ)
+    with pytest.raises(error, match=message):
+        read_points(path, columns=columns)
+
+
+def test_columns_without_names_have_numbers(tmp_path):
+    path = table(tmp_path / "a.csv", [], XYZ)
+    with pytest.raises(
+        ValueError, match="the columns have no names; say numbers, 0 to 2"
+    ):
+        read_points(path, columns="x,y,z")
+    np.testing.assert_array_equal(read_points(path, columns="2,1"), XYZ[:, [2, 1]])
+
+
+def test_words_are_no_coordinates(tmp_path):
+    path = put(tmp_path / "a.csv", "x,y,kind\n1,2,a\n3,4,b\n")
+    with pytest.raises(ValueError, match="columns: kind holds text, expected numbers"):
+        read_points(path, columns="x,kind")
+
+
+# ---------------------------------------------------------------- NumPy's archives
+
+
+def test_archives_of_columns_and_records(tmp_path):
+    np.savez(tmp_path / "a.npz", x=XYZ[:, 0], y=XYZ[:, 1], z=XYZ[:, 2], t=COUNT.ravel())
+    points, attributes = read(tmp_path / "a.npz")
+    np.testing.assert_array_equal(points, XYZ)
+    assert [*attributes] == ["t"]
+    records = np.zeros(40, dtype=[("id", "i8"), ("rgb", "u1", 3), ("pos", "f4", 3)])
+    records["id"], records["pos"] = COUNT.ravel() + 2**60, XYZ
+    np.save(tmp_path / "a.npy", records)
+    points, attributes = read(tmp_path / "a.npy")
+    np.testing.assert_array_equal(points, XYZ.astype("f4"))
+    assert attributes["id"].tolist() == (COUNT.ravel() + 2**60).tolist()
+    np.savez(tmp_path / "b.npz", features=XYZ[:, :2], xyz=XYZ)
+    with pytest.warns(rm.FileWarning, match="of 2 arrays of two dimensions 'xyz' is"):
+        np.testing.assert_array_equal(read_points(tmp_path / "b.npz"), XYZ)
+
+
+# ------------------------------------------------------------ how tables are written
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("semicolons.csv", "x;y;z\n1,5;2;3\n4;5,25;6\n"),
+        ("semicolons_and_points.csv", "1.5;2;3\n4;5.25;6\n"),
+        ("tabs.csv", "x\ty\tz\n1.5\t2\t3\n4\t5.25\t6\n"),
+        ("tabs.tsv", "1.5\t2\t3\n4\t5.25\t6\n"),
+        ("blanks.csv", "1.5 2 3\n4 5.25 6\n"),
+        ("commas.txt", "1.5,2,3\n4,5.25,6\n"),
+        ("commas.xyz", "1.5, 2, 3\n4, 5.25, 6\n"),
+        ("decimals.txt", "1,5 2 3\n4 5,25 6\n"),
+        ("count.xyz", "2\n1.5 2 3\n4 5.25 6\n"),
+        ("count_and_comment.xyz", "2\nfrom a scanner\n1.5 2 3\n4 5.25 6\n"),
+        ("count.pts", "2\n1.5 2 3\n4 5.25 6\n"),
+        ("windows.csv", "x,y,z\r\n1.5,2,3\r\n4,5.25,6\r\n"),
+        ("old_mac.csv", "x,y,z\r1.5,2,3\r4,5.25,6\r"),
+        ("utf16.csv", "x,y,z\n1.5,2,3\n4,5.25,6\n".encode("utf-16")),
+        ("latin.csv", "x,y,z,größe °\n1.5,2,3,1\n4,5.25,6,1\n".encode("latin-1")),
+        ("units.csv", "x,y,z\n[m],[m],[m]\n1.5,2,3\n4,5.25,6\n"),
+        ("end.csv", "x,y,z,\n1.5,2,3,\n4,5.25,6,\n"),
+        ("quotes.csv", '"x","y","z"\n"1.5","2","3"\n"4","5.25","6"\n'),
+        ("comments.asc", "// a scan\n% more\n1.5 2 3 # one\n4 5.25 6\n"),
+        ("bars.csv", "x|y|z\n1.5|2|3\n4|5.25|6\n"),
+    ],
+)
+def test_tables_however_they_are_written(tmp_path, name, content):
+    points = read_points(put(tmp_path / name, content))
+    np.testing.assert_array_equal(points, [[1.5, 2, 3], [4, 5.25, 6]])
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "message"),
+    [
+        ("a.xyz", "3\n1 2 3\n4 5 6\n", "is truncated: expected 3 points, found 2"),
+        ("a.csv", "x,y\n1,2\n3,4,5\n", "line 3: expected 2 numbers as before, found 3"),
+        ("a.csv", "x,y\n1.5,2\n1_000,4\n", "line 3: expected numbers .* found '1_000'"),
+        ("a.csv", "name,kind\na,b\nc,d\n", "expected numbers separated by commas"),
+        ("a.csv", b"x,y\n1,2\n\x00,4\n", "is no text file"),
+    ],
+)
+def test_tables_that_break(tmp_path, name, content, message):
+    with pytest.raises(ValueError, match=message):
+        read_points(put(tmp_path / name, content))
+
+
+def test_scans_one_after_the_other(tmp_path):
+    text = "2\n1.5 2 3 9\n4 5.25 6 9\n1\n7 8 9 9\n"
+    with pytest.warns(rm.FileWarning, match="others are intensity"):
+        points = read_points(put(tmp_path / "a.pts", text.replace(" 9\n", " 9.5\n")))
+    assert points.tolist() == [[1.5, 2, 3], [4, 5.25, 6], [7, 8, 9]]
+    with pytest.raises(ValueError, match="is truncated: expected 5 points, found 3"):
+        read_points(put(tmp_path / "b.pts", text.replace("\n1\n", "\n3\n")))
+
+
+def test_a_fast_and_a_careful_reader_agree(tmp_path):
+    points = RNG.normal(size=(300, 3)) * 10.0 ** RNG.integers(-300, 300, (300, 3))
+    rows = [",".join(map(repr, row)) for row in points.tolist()]
+    fast = read_points(put(tmp_path / "a.csv", "\n".join(rows)))
+    careful = read_points(put(tmp_path / "b.csv", "\n".join([*rows, "1,,2"])))
+    assert fast.tobytes() == points.tobytes()
+    assert careful[:-1].tobytes() == points.tobytes()
+
+
+def test_fields_go_out_and_come_back_in_tables(tmp_path):
+    fields = {
+        "colors": COLORS.astype(np.uint8),
+        "normals": NORMALS,
+        "heat": COUNT.ravel() / 3,
+        "pair": XYZ[:, :2],
+    }
+    for suffix in (".csv", ".txt", ".xyz"):
+        write_points(tmp_path / f"a{suffix}", XYZ, fields=fields)
+        points, found = read(tmp_path / f"a{suffix}")
+        assert points.tobytes() == XYZ.tobytes()
+        assert {*found} == {*fields}
+        for name, values in fields.items():
+            np.testing.assert_array_equal(found[name], values, err_msg=name)
+    with pytest.raises(ValueError, match="two columns would be called 'x'"):
+        write_points(tmp_path / "b.csv", XYZ, fields={"x": XYZ[:, 0]})
