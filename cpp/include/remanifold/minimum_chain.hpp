@@ -39,6 +39,9 @@ struct ChainOptions {
   /// Steps of a search after which the cavity becomes a program; where there is no solver
   /// the best filling found by then is taken.
   Index search_steps = 4000;
+  /// Cavities with more candidates are cut into windows of so many: the largest program
+  /// that is ever built has that many candidates.
+  Index largest_program = 4000;
 };
 
 struct ChainFill {
@@ -46,6 +49,7 @@ struct ChainFill {
   std::vector<std::uint8_t> open;  ///< of each cavity: has facets left open
   Index searched = 0;              ///< cavities searched through
   Index programs = 0;              ///< cavities solved as linear programs
+  Index cut = 0;                   ///< cavities cut into windows, each a program
   Index integer_programs = 0;      ///< and as integer programs
   Index unsolved = 0;              ///< neither search nor solver came to an end
 };
