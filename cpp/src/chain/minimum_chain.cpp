@@ -104,7 +104,7 @@ class ChainSolver {
       }
       ++fill_.cut;
       if (!windows) {
-        windows.emplace(cavities_, fixed_.size(), options_.largest_program);
+        windows.emplace(cavities_, fixed_.size(), options_.window);
       }
       windows->start(cavity);
       for (detail::CavityPart part = windows->next(); !part.candidates.empty();
@@ -255,9 +255,13 @@ class ChainSolver {
     }
     fill_.open.assign(cavities_.count(), 0);
     for (Index cavity = 0; cavity < cavities_.count(); ++cavity) {
-      fill_.open[cavity] = std::any_of(
-          cavities_.facets_in.begin(cavity), cavities_.facets_in.end(cavity),
-          [&](Index f) { return cofaces[f] == 1 || (arity == 2 && cofaces[f] == 0); });
+      for (const Index* f = cavities_.facets_in.begin(cavity);
+           f != cavities_.facets_in.end(cavity); ++f) {
+        if (cofaces[*f] == 1 || (arity == 2 && cofaces[*f] == 0)) {
+          fill_.open[cavity] = 1;
+          fill_.open_facets.push_back(*f);
+        }
+      }
     }
   }
 
