@@ -39,13 +39,21 @@ struct ChainOptions {
   /// Steps of a search after which the cavity becomes a program; where there is no solver
   /// the best filling found by then is taken.
   Index search_steps = 4000;
+  /// The largest program that is ever built has so many candidates. Larger cavities are cut
+  /// into windows.
+  Index largest_program = 4000;
+  /// Candidates of a window. Half of them are its core, which is decided on: smaller ones
+  /// cost less a candidate, and windows of 500 begin to leave more open than those of 1000.
+  Index window = 1000;
 };
 
 struct ChainFill {
   std::vector<Index> chosen;       ///< candidates, ascending
   std::vector<std::uint8_t> open;  ///< of each cavity: has facets left open
+  std::vector<Index> open_facets;  ///< by cavity, ascending within each
   Index searched = 0;              ///< cavities searched through
   Index programs = 0;              ///< cavities solved as linear programs
+  Index cut = 0;                   ///< cavities cut into windows, each a program
   Index integer_programs = 0;      ///< and as integer programs
   Index unsolved = 0;              ///< neither search nor solver came to an end
 };

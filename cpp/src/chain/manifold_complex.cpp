@@ -36,6 +36,8 @@ constexpr double kSharpFold = -0.5;
 constexpr int kNeighborsPerDim = 4;
 /// More cliques than this for each sample around what is open are too many to choose from.
 constexpr std::size_t kCliquesPerSample = 500;
+/// Edges from what stays open within which cavities are filled again.
+constexpr int kRings = 2;
 
 class ManifoldBuilder {
  public:
@@ -251,8 +253,8 @@ class ManifoldBuilder {
     }
   }
 
-  /// Fills the cavities from the pool. What stays open is left for the next time, unless
-  /// this is the last.
+  /// Fills the cavities from the pool. What stays open is left for the next time, with
+  /// what is near, unless this is the last.
   void fill(bool last) {
     const std::vector<Offset> numbers =
         detail::rows_near(fixed_, unsettled_, dim_, execution_);
@@ -272,20 +274,24 @@ class ManifoldBuilder {
     result_.report.integer_programs += chain.integer_programs;
     result_.report.unsolved += chain.unsolved;
 
-    std::vector<Index> cavity_of(cavities.energies.size());
+    // What stays open is up for choice again, with what is near.
+    std::vector<std::uint8_t> open_again(cavities.energies.size(), 0);
     pool_.vertices.clear();
     open_region_.clear();
-    for (Index c = 0; c < cavities.count(); ++c) {
-      for (Offset i = 0; i < cavities.candidates_in.size(c); ++i) {
-        cavity_of[cavities.candidates_in.begin(c)[i]] = c;
-      }
-      if (chain.open[c] == 0) {
-        continue;
-      }
-      for (Offset i = 0; i < cavities.candidates_in.size(c); ++i) {
-        const Index* simplex = cavities.candidates[cavities.candidates_in.begin(c)[i]];
-        detail::append_row(pool_, simplex);
-        open_region_.insert(open_region_.end(), simplex, simplex + arity_);
+    if (!chain.open_facets.empty()) {
+      const std::vector<std::uint8_t> around = samples_near_open(near, cavities, chain);
+      for (Index c = 0; c < cavities.count(); ++c) {
+        for (Offset i = 0; chain.open[c] != 0 && i < cavities.candidates_in.size(c);
+             ++i) {
+          const Index number = cavities.candidates_in.begin(c)[i];
+          const Index* simplex = cavities.candidates[number];
+          if (std::all_of(simplex, simplex + arity_,
+                          [&](Index v) { return around[v] != 0; })) {
+            open_again[number] = 1;
+            detail::append_row(pool_, simplex);
+            open_region_.insert(open_region_.end(), simplex, simplex + arity_);
+          }
+        }
       }
     }
     std::vector<Index> facet(dim_);
@@ -295,10 +301,50 @@ class ManifoldBuilder {
     }
     detail::sort_unique(open_region_);
     for (const Index c : chain.chosen) {
-      if (last || chain.open[cavity_of[c]] == 0) {
+      if (last || open_again[c] == 0) {
         detail::append_row(fixed_, cavities.candidates[c]);
       }
     }
+  }
+
+  /// Within kRings edges of a facet that stays open, and samples in no simplex there.
+  std::vector<std::uint8_t> samples_near_open(const SimplexArray& near,
+                                              const Cavities& cavities,
+                                              const ChainFill& chain) const {
+    SimplexArray simplices = near;
+    for (const Index c : chain.chosen) {
+      detail::append_row(simplices, cavities.candidates[c]);
+    }
+    std::vector<std::uint8_t> marked(samples_.size(), 0);
+    for (const Index f : chain.open_facets) {
+      for (int i = 0; i < dim_; ++i) {
+        marked[cavities.facets[f][i]] = 1;
+      }
+    }
+    const auto any_marked = [&](const std::vector<std::uint8_t>& of, const Index* row) {
+      return std::any_of(row, row + arity_, [&](Index v) { return of[v] != 0; });
+    };
+    std::vector<std::uint8_t> covered(samples_.size(), 0);
+    for (int ring = 0; ring < kRings; ++ring) {
+      const std::vector<std::uint8_t> before = marked;
+      for (Offset s = 0; s < simplices.size(); ++s) {
+        const bool reached = any_marked(before, simplices[s]);
+        for (int i = 0; i < arity_; ++i) {
+          covered[simplices[s][i]] = 1;
+          marked[simplices[s][i]] |= static_cast<std::uint8_t>(reached);
+        }
+      }
+    }
+    const std::vector<std::uint8_t> reached = marked;
+    for (Offset s = 0; s < cavities.candidates.size(); ++s) {
+      if (any_marked(reached, cavities.candidates[s])) {
+        for (int i = 0; i < arity_; ++i) {
+          const Index v = cavities.candidates[s][i];
+          marked[v] |= static_cast<std::uint8_t>(covered[v] == 0);
+        }
+      }
+    }
+    return marked;
   }
 
   double price_of(const Index* facet) {

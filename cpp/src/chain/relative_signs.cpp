@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "chain/relative_signs.hpp"
 
-#include <algorithm>
 #include <queue>
 #include <tuple>
 #include <utility>
@@ -16,21 +15,16 @@ int parity(Offset position) { return position % 2 == 0 ? 1 : -1; }
 /// alike, their sides at a common facet are opposite.
 class SignWalk {
  public:
-  SignWalk(const Cavities& cavities, Index cavity, const RimOrientation::Signs& rims)
-      : cavities_(cavities),
-        arity_(cavities.candidates.arity),
-        candidates_(cavities.candidates_in.begin(cavity)),
-        num_candidates_(cavities.candidates_in.size(cavity)),
-        facets_(cavities.facets_in.begin(cavity)),
-        num_facets_(cavities.facets_in.size(cavity)),
-        signs_(num_facets_, 0),
-        group_(num_facets_, -1),
+  SignWalk(const CavityPart& part, const RimOrientation::Signs& rims)
+      : part_(part),
+        signs_(part.num_facets(), 0),
+        group_(part.num_facets(), -1),
         facets_of_group_(rims.num_groups),
         known_(rims.num_groups, 0),
-        reached_(num_candidates_, 0) {
+        reached_(part.num_candidates(), 0) {
     std::size_t rim = 0;
-    for (Offset f = 0; f < num_facets_; ++f) {
-      if (cavities.rims[facets_[f]] != kOpen) {
+    for (Offset f = 0; f < part.num_facets(); ++f) {
+      if (part.rims[f] >= 0) {
         signs_[f] = rims.sign[rim];
         group_[f] = rims.group[rim];
         facets_of_group_[group_[f]].push_back(f);
@@ -62,38 +56,29 @@ class SignWalk {
   }
 
   int side_of_rim(Offset facet) const {
-    return signs_[facet] * parity(cavities_.rims[facets_[facet]] % arity_);
+    return signs_[facet] * parity(part_.rims[facet] % part_.arity());
   }
 
   /// To the candidates on a facet, the side of what is there already.
   void hand_over(Offset facet, int side, double distance) {
-    const Index number = facets_[facet];
-    for (const Index* c = cavities_.candidates_on.begin(number);
-         c != cavities_.candidates_on.end(number); ++c) {
-      const Offset own =
-          std::lower_bound(candidates_, candidates_ + num_candidates_, *c) -
-          candidates_;
-      if (reached_[own] == 0) {
-        const Index* facets = cavities_.facets_without(*c);
-        const Offset position = std::find(facets, facets + arity_, number) - facets;
-        queue_.emplace(distance + cavities_.energies[*c], own,
+    part_.for_each_on(facet, [&](Offset c, int position) {
+      if (reached_[c] == 0) {
+        queue_.emplace(distance + part_.cavities->energies[part_.candidates[c]], c,
                        -side * parity(position));
       }
-    }
+    });
   }
 
   void walk() {
     while (!queue_.empty()) {
-      const auto [distance, own, sign] = queue_.top();
+      const auto [distance, c, sign] = queue_.top();
       queue_.pop();
-      if (reached_[own] != 0) {
+      if (reached_[c] != 0) {
         continue;
       }
-      reached_[own] = 1;
-      const Index* facets = cavities_.facets_without(candidates_[own]);
-      for (int i = 0; i < arity_; ++i) {
-        const Offset f =
-            std::lower_bound(facets_, facets_ + num_facets_, facets[i]) - facets_;
+      reached_[c] = 1;
+      for (int i = 0; i < part_.arity(); ++i) {
+        const Offset f = part_.facet_of(c, i);
         const int side = sign * parity(i);
         if (group_[f] < 0) {
           hand_over(f, side, distance);
@@ -104,12 +89,7 @@ class SignWalk {
     }
   }
 
-  const Cavities& cavities_;
-  int arity_;
-  const Index* candidates_;
-  Offset num_candidates_;
-  const Index* facets_;
-  Offset num_facets_;
+  const CavityPart& part_;
   std::vector<std::int8_t> signs_;  // of each facet
   std::vector<Index> group_;        // of each facet, or -1
   std::vector<std::vector<Offset>> facets_of_group_;
@@ -120,9 +100,9 @@ class SignWalk {
 
 }  // namespace
 
-std::vector<std::int8_t> relative_signs(const Cavities& cavities, Index cavity,
+std::vector<std::int8_t> relative_signs(const CavityPart& part,
                                         const RimOrientation::Signs& rims) {
-  return SignWalk(cavities, cavity, rims).run();
+  return SignWalk(part, rims).run();
 }
 
 }  // namespace remanifold::detail

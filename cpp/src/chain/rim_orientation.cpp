@@ -4,6 +4,8 @@
 #include "base/sort_unique.hpp"
 
 #include <algorithm>
+#include <limits>
+#include <numeric>
 #include <utility>
 
 namespace remanifold::detail {
@@ -13,6 +15,26 @@ RimOrientation::RimOrientation(const SimplexArray& fixed, Index num_vertices,
     : arity_(fixed.arity),
       neighbors_(facet_neighbors(fixed, num_vertices, execution)),
       patches_(orient_patches(neighbors_, arity_)) {}
+
+void RimOrientation::append(const FacetNumber* neighbors) {
+  const auto first = static_cast<FacetNumber>(neighbors_.size());
+  for (int i = 0; i < arity_; ++i) {
+    neighbors_.push_back(neighbors[i]);
+    if (neighbors[i] >= 0) {
+      neighbors_[neighbors[i]] = first + i;
+    }
+  }
+}
+
+void RimOrientation::forget() {
+  const FacetNumber known = static_cast<FacetNumber>(patches_.sign.size()) * arity_;
+  for (auto f = static_cast<FacetNumber>(neighbors_.size()); f-- > known;) {
+    if (neighbors_[f] >= 0) {
+      neighbors_[neighbors_[f]] = kOpen;
+    }
+  }
+  neighbors_.resize(known);
+}
 
 RimOrientation::Signs RimOrientation::orient(const std::vector<FacetNumber>& rims) {
   Signs result;
@@ -24,55 +46,71 @@ RimOrientation::Signs RimOrientation::orient(const std::vector<FacetNumber>& rim
   }
   sort_unique(patches);
   for (const Index patch : patches) {
-    std::vector<Offset> seeds;
-    for (const FacetNumber f : rims) {
-      if (patches_.patch[f / arity_] == patch) {
-        seeds.push_back(f / arity_);
-      }
-    }
-    const bool local = patches_.orientable[patch] == 0;
-    if (local) {
-      walk(seeds);
-    }
-    std::vector<Index> group_of_walk(seeds.size(), -1);
-    const Index first_group = result.num_groups;
-    result.num_groups += local ? 0 : 1;
+    std::vector<std::size_t> own;
     for (std::size_t i = 0; i < rims.size(); ++i) {
-      const Offset simplex = rims[i] / arity_;
-      if (patches_.patch[simplex] != patch) {
-        continue;
+      if (patches_.patch[rims[i] / arity_] == patch) {
+        own.push_back(i);
       }
-      if (!local) {
-        result.sign[i] = patches_.sign[simplex];
-        result.group[i] = first_group;
-        continue;
-      }
-      Index root = owner_[simplex];
-      std::int8_t sign = sign_[simplex];
-      while (parent_[root] != root) {
-        sign = static_cast<std::int8_t>(sign * parity_[root]);
-        root = parent_[root];
-      }
-      if (group_of_walk[root] < 0) {
-        group_of_walk[root] = result.num_groups++;
-      }
-      result.sign[i] = sign;
-      result.group[i] = group_of_walk[root];
     }
-    for (const Offset simplex : reached_) {
-      owner_[simplex] = -1;
+    if (patches_.orientable[patch] == 0) {
+      orient_by_walking(rims, own, std::numeric_limits<std::size_t>::max(), result);
+      continue;
     }
-    reached_.clear();
+    for (const std::size_t i : own) {
+      result.sign[i] = patches_.sign[rims[i] / arity_];
+      result.group[i] = result.num_groups;
+    }
+    ++result.num_groups;
   }
   return result;
+}
+
+RimOrientation::Signs RimOrientation::orient_near(const std::vector<FacetNumber>& rims,
+                                                  std::size_t most) {
+  Signs result;
+  result.sign.resize(rims.size());
+  result.group.assign(rims.size(), -1);
+  std::vector<std::size_t> all(rims.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  orient_by_walking(rims, all, most, result);
+  return result;
+}
+
+void RimOrientation::orient_by_walking(const std::vector<FacetNumber>& rims,
+                                       const std::vector<std::size_t>& own,
+                                       std::size_t most, Signs& result) {
+  std::vector<Offset> seeds;
+  for (const std::size_t i : own) {
+    seeds.push_back(rims[i] / arity_);
+  }
+  walk(seeds, most);
+  std::vector<Index> group_of_walk(seeds.size(), -1);
+  for (const std::size_t i : own) {
+    const Offset simplex = rims[i] / arity_;
+    Index root = owner_[simplex];
+    std::int8_t sign = sign_[simplex];
+    while (parent_[root] != root) {
+      sign = static_cast<std::int8_t>(sign * parity_[root]);
+      root = parent_[root];
+    }
+    if (group_of_walk[root] < 0) {
+      group_of_walk[root] = result.num_groups++;
+    }
+    result.sign[i] = sign;
+    result.group[i] = group_of_walk[root];
+  }
+  for (const Offset simplex : reached_) {
+    owner_[simplex] = -1;
+  }
+  reached_.clear();
 }
 
 // Breadth first from all seeds at once. Where two walks meet they become one; a walk that
 // comes back with the other sign has gone round a loop without orientation and is not
 // believed.
-void RimOrientation::walk(const std::vector<Offset>& seeds) {
-  owner_.resize(patches_.sign.size(), -1);
-  sign_.resize(patches_.sign.size(), 0);
+void RimOrientation::walk(const std::vector<Offset>& seeds, std::size_t most) {
+  owner_.resize(neighbors_.size() / arity_, -1);
+  sign_.resize(neighbors_.size() / arity_, 0);
   parent_.clear();
   parity_.clear();
   std::size_t apart = 0;
@@ -94,7 +132,8 @@ void RimOrientation::walk(const std::vector<Offset>& seeds) {
     }
     return root;
   };
-  for (std::size_t next = 0; next < reached_.size() && apart > 1; ++next) {
+  for (std::size_t next = 0; next < std::min(most, reached_.size()) && apart > 1;
+       ++next) {
     const Offset s = reached_[next];
     for (FacetNumber f = s * arity_; f < (s + 1) * arity_; ++f) {
       const FacetNumber other = neighbors_[f];

@@ -25,9 +25,21 @@ class RimOrientation {
     Index num_groups = 0;
   };
   Signs orient(const std::vector<FacetNumber>& rims);
+  /// The same by what is near: walks from the rims take no more than `most` steps, and
+  /// those that did not meet are groups of their own.
+  Signs orient_near(const std::vector<FacetNumber>& rims, std::size_t most);
+
+  /// One more simplex, the next in number, for walks to go through.
+  /// \param neighbors  at each of its facets the facet of the simplex there, or kOpen
+  void append(const FacetNumber* neighbors);
+  /// Without those that were appended.
+  void forget();
 
  private:
-  void walk(const std::vector<Offset>& seeds);
+  void orient_by_walking(const std::vector<FacetNumber>& rims,
+                         const std::vector<std::size_t>& own, std::size_t most,
+                         Signs& result);
+  void walk(const std::vector<Offset>& seeds, std::size_t most);
 
   int arity_;
   std::vector<FacetNumber> neighbors_;

@@ -30,7 +30,8 @@ TEST(RelativeSigns, TheRimBecomesACycle) {
   const Cavities cavities = hole.find(7);
   ASSERT_EQ(cavities.count(), 1);
   for (unsigned bits = 0; bits < 16; ++bits) {
-    const auto signs = detail::relative_signs(cavities, 0, apart(bits));
+    const auto signs =
+        detail::relative_signs(detail::whole_cavity(cavities, 0), apart(bits));
     ASSERT_EQ(signs.size(), 6U);
     std::vector<int> boundary(4, 0);
     int rims = 0;
@@ -57,7 +58,7 @@ TEST(RelativeSigns, OneGroupStaysAsItIs) {
   detail::RimOrientation::Signs rims = apart(0);
   rims.group.assign(4, 0);
   rims.num_groups = 1;
-  const auto signs = detail::relative_signs(cavities, 0, rims);
+  const auto signs = detail::relative_signs(detail::whole_cavity(cavities, 0), rims);
   EXPECT_EQ(std::accumulate(signs.begin(), signs.end(), 0), 4);
 }
 
