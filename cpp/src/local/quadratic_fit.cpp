@@ -16,7 +16,7 @@ namespace remanifold::detail {
 namespace {
 
 /// Coordinates from which on the leading directions are iterated for instead of all.
-constexpr Eigen::Index kManyCoordinates = 24;
+constexpr Eigen::Index kIteratedCoordinates = 24;
 constexpr int kIterations = 12;
 /// Directions beyond the K wanted ones that are carried along: what mixes with them does
 /// not matter.
@@ -28,12 +28,12 @@ constexpr double kFarthest = 1.5;
 /// A row that alone determines the quadric there says nothing about itself.
 constexpr double kLeastFreedom = 1e-3;
 
-/// The leading right singular vectors, in columns, the largest last, and the squares of
-/// their singular values.
+}  // namespace
+
 Eigen::MatrixXd leading_directions(const Eigen::MatrixXd& rows, Eigen::Index count,
                                    Eigen::VectorXd& squares) {
   const Eigen::Index size = rows.cols();
-  if (size < kManyCoordinates) {
+  if (size < kIteratedCoordinates) {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(rows.transpose() * rows);
     squares = eigen.eigenvalues().tail(count);
     return eigen.eigenvectors().rightCols(count);
@@ -63,8 +63,6 @@ Eigen::MatrixXd leading_directions(const Eigen::MatrixXd& rows, Eigen::Index cou
   squares = eigen.eigenvalues().tail(count);
   return directions * eigen.eigenvectors().rightCols(count);
 }
-
-}  // namespace
 
 bool QuadraticFit::fit(const RowMatrix& vectors, const Eigen::VectorXd& weights) {
   vectors_ = &vectors;

@@ -11,6 +11,11 @@
 
 namespace remanifold::detail {
 
+/// The leading right singular vectors, in columns, the largest last, and the squares of
+/// their singular values.
+Eigen::MatrixXd leading_directions(const Eigen::MatrixXd& rows, Eigen::Index count,
+                                   Eigen::VectorXd& squares);
+
 class QuadraticFit {
  public:
   explicit QuadraticFit(int dim) : dim_(dim) {}
