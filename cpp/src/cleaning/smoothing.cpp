@@ -30,9 +30,9 @@ constexpr Index kLargestShare = 4;
 constexpr Index kLargest = 1 << 14;
 /// Samples at which sizes are tried: few for large neighborhoods, so that no size costs
 /// more than looking at each sample this many times.
-constexpr Offset kLooks = 3;
+constexpr Offset kLooks = 2;
 constexpr Index kFewestProbes = 24;
-constexpr Index kMostProbes = 256;
+constexpr Index kMostProbes = 160;
 constexpr int kLevelsAtOnce = 4;
 /// The test that tells clean samples: two sizes, at a few probes and some more where there
 /// are many samples.
@@ -50,8 +50,12 @@ constexpr double kLeastNoise = 0.01;
 constexpr double kLeastNoisySize = 6;
 /// The worst probes do not count, for a few outliers and creases.
 constexpr double kTrimmed = 0.05;
-/// Larger sizes are not tried where the square of the bias is this many times the variance.
-constexpr double kHopeless = 4;
+/// Where the scatter is this many times the noise, the neighborhood is more than the graph
+/// of a quadric.
+constexpr double kNoGraph = 1.35;
+/// Where it has become that, and grows so fast when the neighborhood doubles as only shape
+/// can, larger sizes are not tried.
+constexpr double kHopelessGrowth = 1.35;
 
 // ------------------------------------------------------------------------- projecting
 
@@ -324,11 +328,11 @@ class Smoother {
       std::vector<Level> more = measure(search, first - 2, last, 1, probes);
       levels.insert(levels.end(), more.begin() + 2, more.end());
       const Level& end = levels.back();
-      double least = kEverywhere;
-      for (const Level& level : levels) {
-        least = std::min(least, level.scatter);
-      }
-      if (end.bias > kHopeless * end.scatter * end.gain && end.scatter > 2 * least) {
+      const auto least = std::min_element(
+          levels.begin(), levels.end(),
+          [](const Level& a, const Level& b) { return a.scatter < b.scatter; });
+      if (end.growth > kHopelessGrowth &&
+          end.scatter > kNoGraph * kNoGraph * least->scatter) {
         break;
       }
     }
@@ -343,7 +347,7 @@ class Smoother {
     double best = kEverywhere;
     for (const Level& level : levels) {
       const double risk = level.bias + choice.noise * level.gain;
-      if (risk < best) {
+      if (risk < best && level.scatter < kNoGraph * kNoGraph * choice.noise) {
         best = risk;
         choice.num_neighbors = level.count;
         choice.gain = level.gain;
