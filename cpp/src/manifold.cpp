@@ -83,6 +83,7 @@ Reconstruction reconstruct(const Samples& given, const ReconstructOptions& optio
       options.estimator.value_or(Estimator::kJet)};
   detail::CleanSamples clean(
       given, options, options.outlier_distance.value_or(kOutlierDistance), execution);
+  clean.set_thinning();
   detail::FirstSteps steps = detail::take_first_steps(clean, tangent, execution);
   const Samples& samples = clean.samples();
   const Neighborhoods& neighborhoods = clean.neighborhoods();

@@ -84,18 +84,25 @@ bool LocalQuadric::fit(const Eigen::MatrixXd& all, const Eigen::VectorXd& distan
   terms[0] = 1;
   influence_.noalias() = weighted_.leftCols(num_unknowns_) * factors_.solve(terms);
 
+  curvature_ = 0;
   // Noise along the manifold draws what is bent towards the inside, by half the variance
   // in each direction times the mean curvature.
   const auto codim = rows.cols() - dim_;
   if (num_unknowns_ == unknowns(dim_) && codim > 0 && variance_ > 0) {
+    Eigen::MatrixXd second = coefficients_.bottomRows(num_unknowns_ - 1 - dim_);
+    second -= (second * frame_.transpose()) * frame_;
     Eigen::VectorXd bend = Eigen::VectorXd::Zero(rows.cols());
-    int column = 1 + dim_;
+    double squares_of_all = 0;
+    int row = 0;
     for (int i = 0; i < dim_; ++i) {
-      column += i;
-      bend += coefficients_.row(column).transpose();
-      ++column;
+      for (int j = 0; j <= i; ++j, ++row) {
+        // Of a square the second derivative is twice the coefficient; what is mixed
+        // counts twice.
+        squares_of_all += (i == j ? 4 : 2) * second.row(row).squaredNorm();
+      }
+      bend += second.row(row - 1).transpose();
     }
-    bend -= frame_.transpose() * (frame_ * bend);
+    curvature_ = std::sqrt(squares_of_all / dim_) / (reach_ * reach_);
     bend *= variance_ / static_cast<double>(codim) / (reach_ * reach_);
     coefficients_.row(0) -= bend.transpose();
     residuals_.rowwise() += bend.transpose();

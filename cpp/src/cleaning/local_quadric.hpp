@@ -36,6 +36,8 @@ class LocalQuadric {
   /// Variance of the normal distance of a row, all normal directions together, less what
   /// the fit takes up.
   double variance() const { return variance_; }
+  /// Root of the mean squared curvature over the K tangent directions.
+  double curvature() const { return curvature_; }
   /// Tangential distance at which weights are zero.
   double reach() const { return reach_; }
   /// From the quadric along the normals to each row.
@@ -66,6 +68,7 @@ class LocalQuadric {
   Eigen::VectorXd influence_;
   double variance_ = 0;
   double reach_ = 0;
+  double curvature_ = 0;
 };
 
 }  // namespace remanifold::detail

@@ -57,6 +57,11 @@ constexpr double kNoGraph = 1.35;
 /// can, larger sizes are not tried.
 constexpr double kHopelessGrowth = 1.35;
 
+/// Noise drowns the shape where what remains of it, or the noise in one direction itself,
+/// is this share of the radius of curvature.
+constexpr double kDrowningError = 0.3;
+constexpr double kDrowningNoise = 0.5;
+
 // ------------------------------------------------------------------------- projecting
 
 constexpr Offset kBlock = 16;
@@ -166,6 +171,7 @@ struct Level {
   double bias = 0;      // of the feet
   double growth = 0;    // of the root of the scatter since half the size
   double radius = 0;    // a length
+  double curvature = 0; // root of the mean square
 };
 
 struct Choice {
@@ -174,7 +180,9 @@ struct Choice {
   double risk = std::numeric_limits<double>::quiet_NaN();   // of the feet
   double gain = 0;
   double radius = 0;
+  double curvature = 0;
   bool noisy = false;
+  double drowning = 0;  // drowned from 1 on
 };
 
 class Smoother {
@@ -191,6 +199,7 @@ class Smoother {
     const Choice choice = choose(search);
     result.noise = std::sqrt(choice.noise);
     result.prediction_error = std::sqrt(choice.noise + choice.risk);
+    result.remaining_error = result.noise;
     if (options_.only_noise && !choice.noisy) {
       return result;
     }
@@ -201,11 +210,15 @@ class Smoother {
       return result;
     }
     result.num_neighbors = count;
+    result.remaining_error = std::sqrt(choice.risk);
+    result.drowned = choice.drowning >= 1;
+    // At the best size the error falls with this power of the number of samples.
+    result.growth =
+        std::pow(std::max(1.0, choice.drowning), (8.0 + options_.dim) / 4.0);
     result.points = project(samples_, search, count);
     result.rounds = 1;
-    const auto codim =
-        std::max(1, samples_.ambient_dim() - options_.dim);
-    const double one_way = std::sqrt(choice.noise / codim);
+    const double one_way =
+        std::sqrt(choice.noise / std::max(1, samples_.ambient_dim() - options_.dim));
     while (result.rounds < kMostRounds && one_way > kConfusing * choice.radius) {
       const Samples moved = Samples::from_points(
           {result.points.data(), samples_.size(), samples_.ambient_dim()}, execution_);
@@ -238,11 +251,11 @@ class Smoother {
     const int num_levels = (last - first) / step + 1;
     const int half = 2 / step;
     struct At {
-      double scatter, gain, difference, gain_difference, growth, radius;
+      double scatter, gain, difference, gain_difference, growth, radius, curvature;
     };
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     std::vector<At> at(static_cast<std::size_t>(probes) * num_levels,
-                       {nan, nan, nan, nan, nan, nan});
+                       {nan, nan, nan, nan, nan, nan, nan});
     over(samples_, search, probes, [&](Fitter& fitter, Offset i) {
       fitter.load(probe(i), std::min(size_of(last), samples_.size() - 1));
       std::vector<Eigen::VectorXd> feet(num_levels);
@@ -259,6 +272,7 @@ class Smoother {
         out.scatter = quadric.variance();
         out.gain = quadric.gain();
         out.radius = fitter.distance(count - 1);
+        out.curvature = quadric.curvature() * quadric.curvature();
         if (k >= half && feet[k - half].size() > 0) {
           const Eigen::VectorXd& before = influences[k - half];
           out.difference = (feet[k] - feet[k - half]).squaredNorm();
@@ -283,6 +297,7 @@ class Smoother {
       level.scatter = mean(&At::scatter);
       level.gain = mean(&At::gain);
       level.radius = mean(&At::radius);
+      level.curvature = std::sqrt(mean(&At::curvature));
       std::vector<double> growths;
       for (Index i = 0; i < probes; ++i) {
         const At& one = at[static_cast<std::size_t>(i) * num_levels + k];
@@ -352,12 +367,30 @@ class Smoother {
         choice.num_neighbors = level.count;
         choice.gain = level.gain;
         choice.radius = level.radius;
+        choice.curvature = level.curvature;
       }
     }
     choice.risk = best;
-    choice.noisy = choice.num_neighbors >= kLeastNoisySize * unknowns_ &&
-                   std::sqrt(choice.noise) > kLeastNoise * nearest;
-    if (getenv("RMDEBUG")) fprintf(stderr, "choice n %d noise %.4g (%.3g nn) risk %.4g (%.3g nn) growth %.3f noisy %d\n", choice.num_neighbors, std::sqrt(choice.noise), std::sqrt(choice.noise)/nearest, std::sqrt(best), std::sqrt(best)/nearest, levels[flat].growth, choice.noisy);
+    if (options_.num_neighbors > 0) {
+      const Level& level = *std::min_element(
+          levels.begin(), levels.end(), [&](const Level& a, const Level& b) {
+            return std::abs(a.count - options_.num_neighbors) <
+                   std::abs(b.count - options_.num_neighbors);
+          });
+      choice.risk = level.bias + choice.noise * level.gain;
+      choice.radius = level.radius;
+      choice.curvature = level.curvature;
+    }
+    const bool noise = levels[flat].growth < kShapeGrowth &&
+                       std::sqrt(choice.noise) > kLeastNoise * nearest;
+    choice.noisy =
+        noise && choice.num_neighbors >= kLeastNoisySize * unknowns_;
+    const double one_way =
+        std::sqrt(choice.noise / std::max(1, samples_.ambient_dim() - options_.dim));
+    choice.drowning =
+        choice.noisy ? choice.curvature * std::max(std::sqrt(choice.risk) / kDrowningError,
+                                                   one_way / kDrowningNoise)
+                     : 0;
     return choice;
   }
 

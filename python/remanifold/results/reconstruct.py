@@ -12,6 +12,8 @@ from remanifold import _core
 from remanifold._base.progress import progress_callback
 from remanifold._base.samples import Points
 from remanifold._base.validation import check_dim, check_num_threads, check_samples
+from remanifold.complex.data import ComplexData
+from remanifold.complex.projection import project
 from remanifold.method.cleaning import as_points, smoothing_of
 from remanifold.method.dimension import find_dimension
 from remanifold.method.options import CHECKS, Options
@@ -172,6 +174,20 @@ def reconstruct_samples(
     vertices = None
     if known:
         vertices = samples.matrix.view() if smoothing is None else smoothing.points
+    attached = result["cleaning"]["attached"]
+    if vertices is not None and len(attached) and len(result["simplices"]):
+        at_resolution = ComplexData(vertices, result["simplices"])
+        vertices = vertices.copy()
+        vertices[attached] = project(
+            at_resolution, vertices[attached], num_threads=threads
+        ).points
+    if smoothing is not None and smoothing.drowned:
+        warnings.warn(
+            f"noise drowns the shape: the samples lie {smoothing.noise:.3g} off any "
+            f"manifold; about {smoothing.enough_samples:,} samples would do",
+            ManifoldWarning,
+            stacklevel=3,
+        )
     report = {}
     paper: dict[str, Any] = {}
     if options.is_paper:
@@ -204,6 +220,7 @@ def reconstruct_samples(
         boundary=result["boundary"],
         representatives=result["representatives"],
         outliers=result["cleaning"]["outliers"],
+        attached=attached,
         smoothing=smoothing,
         method=options.method,
         estimator=options.tangent_estimator,

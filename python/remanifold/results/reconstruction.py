@@ -31,7 +31,8 @@ class Reconstruction(JudgedReconstruction, SimplicialComplex):
     Attributes
     ----------
     vertices : ndarray, shape (N, D), float64, or None
-        Where the samples stand in the complex: `samples`, or `smoothing.points`.
+        Where the samples stand in the complex: `samples`, or `smoothing.points`, of
+        which those `attached` are at the nearest point of the complex.
     samples : ndarray, shape (N, D), float64, or None
         The samples, a view of the given array where that was C-contiguous float64; None
         where only `gram` or `distances` were given. They are as good vertices as
@@ -48,6 +49,9 @@ class Reconstruction(JudgedReconstruction, SimplicialComplex):
         Lowest index of the samples that coincide with each sample.
     outliers : ndarray of int32
         Samples left out, ascending: they do not lie on the manifold of the others.
+    attached : ndarray of int32
+        Smoothed samples that are in no simplex, ascending: nearer to others than
+        `Smoothing.resolution`, they would show what is left of the noise.
     smoothing : Smoothing or None
         How noisy the samples were and what was done about it; None with
         ``smooth=False``.
