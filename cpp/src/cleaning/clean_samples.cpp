@@ -16,7 +16,7 @@ namespace {
 
 /// Samples nearer to each other than this many times the error that remains show it, not
 /// the shape.
-constexpr double kResolution = 2;
+constexpr double kResolution = 4;
 /// Samples at which the spacing is looked at.
 constexpr Index kSpacingProbes = 400;
 

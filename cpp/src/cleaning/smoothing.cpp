@@ -13,6 +13,7 @@
 #include <numeric>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace remanifold {
 namespace {
@@ -46,8 +47,16 @@ constexpr Index kSamplesPerTestProbe = 500;
 constexpr double kShapeGrowth = 1.25;
 /// Scatter below this share of the distance to the nearest neighbor is not worth a move.
 constexpr double kLeastNoise = 0.01;
-/// Noise is where neighborhoods of so many unknowns predict better than smaller ones.
-constexpr double kLeastNoisySize = 6;
+/// Noise is where neighborhoods of so many unknowns predict better than smaller ones, where
+/// the scatter at some size grows by less than this when that doubles (rough terrain and
+/// coasts grow at all sizes), and where the foot of a sample is known this much better than
+/// the sample.
+constexpr double kLeastNoisySize = 8;
+constexpr double kPlateau = 1.15;
+constexpr double kWorthIt = 0.6;
+/// Where the nearest two others are equally far from half of the samples, up to rounding,
+/// they were put there: on a lattice. That is no noise.
+constexpr double kEquallyFar = 1e-9;
 /// The worst probes do not count, for a few outliers and creases.
 constexpr double kTrimmed = 0.05;
 /// Where the scatter is this many times the noise, the neighborhood is more than the graph
@@ -317,7 +326,11 @@ class Smoother {
   Choice choose(const NeighborSearch& search) const {
     Choice choice;
     const Index size = samples_.size();
-    const double nearest = median_nearest(search);
+    const auto [nearest, on_lattice] = look_around(search);
+    if (on_lattice && options_.only_noise) {
+      choice.noise = choice.risk = 0;
+      return choice;
+    }
     const Index few = std::min(size, kTestProbes + size / kSamplesPerTestProbe);
     const std::vector<Level> test = measure(search, kNarrow, kWide, kWide - kNarrow, few);
     choice.noise = test[0].scatter;
@@ -381,10 +394,10 @@ class Smoother {
       choice.radius = level.radius;
       choice.curvature = level.curvature;
     }
-    const bool noise = levels[flat].growth < kShapeGrowth &&
-                       std::sqrt(choice.noise) > kLeastNoise * nearest;
-    choice.noisy =
-        noise && choice.num_neighbors >= kLeastNoisySize * unknowns_;
+    choice.noisy = levels[flat].growth < kPlateau &&
+                   choice.num_neighbors >= kLeastNoisySize * unknowns_ &&
+                   choice.risk < kWorthIt * kWorthIt * choice.noise &&
+                   std::sqrt(choice.noise) > kLeastNoise * nearest;
     const double one_way =
         std::sqrt(choice.noise / std::max(1, samples_.ambient_dim() - options_.dim));
     choice.drowning =
@@ -518,18 +531,22 @@ class Smoother {
     }
   }
 
-  double median_nearest(const NeighborSearch& search) const {
+  /// The median distance to the nearest other, and whether the samples are a lattice.
+  std::pair<double, bool> look_around(const NeighborSearch& search) const {
     const auto query = search.query(execution_);
     std::vector<Neighbor> found;
     std::vector<double> nearest;
+    Index ties = 0;
     const Index probes = std::min(kMostProbes, samples_.size());
     for (Index i = 0; i < probes; ++i) {
-      query->nearest(probe(i), 1, kEverywhere, found);
+      query->nearest(probe(i), 2, kEverywhere, found);
       if (!found.empty()) {
         nearest.push_back(std::sqrt(found[0].squared_distance));
+        ties += found.back().squared_distance <=
+                (1 + kEquallyFar) * found[0].squared_distance;
       }
     }
-    return nearest.empty() ? 0 : median(std::move(nearest));
+    return {nearest.empty() ? 0 : median(std::move(nearest)), 2 * ties > probes};
   }
 
   const Samples& samples_;

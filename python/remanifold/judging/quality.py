@@ -489,7 +489,10 @@ def _noise_signs(
                 _NOWHERE,
                 kind="noise",
             )
-        elif doubted and rest > MUCH_LEFT * found.quantile(found.spacing, 0.5):
+        elif doubted and (
+            len(rec.attached) > 0
+            or rest > MUCH_LEFT * found.quantile(found.spacing, 0.5)
+        ):
             yield _Sign(
                 True,
                 f"noise: the samples lie {noise:.3g} off the manifold, smoothed about "

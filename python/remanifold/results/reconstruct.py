@@ -40,7 +40,7 @@ def reconstruct(
     boundary: Literal["auto", False] | ArrayLike = "auto",
     hole_radius: float | None = None,
     outliers: Literal["auto", False] | float | None = None,
-    smooth: Literal["auto"] | bool | int = False,
+    smooth: Literal["auto"] | bool | int | None = None,
     gram: ArrayLike | None = None,
     distances: ArrayLike | None = None,
     num_neighbors: int | None = None,
@@ -75,9 +75,10 @@ def reconstruct(
     outliers : "auto", False or float, optional
         Distance from the manifold of the others at which a sample is left out, in local
         scales; "auto", by default with the manifold method, is 2. See `find_outliers`.
-    smooth : False, "auto", True or int
-        Move the samples onto the manifold before: not at all, where they are noisy, in
-        any case, or by fits to so many neighbors. See `remanifold.smooth`.
+    smooth : "auto", False, True or int, optional
+        Move the samples onto the manifold before: where they are noisy, not at all, in
+        any case, or by fits to so many neighbors. See `remanifold.smooth`. By default
+        "auto" with the manifold method where `points` are given, and else False.
     gram, distances : array_like, shape (N, N), optional
         Inner products or distances of the samples, instead of `points`. `gram` must be
         positive semidefinite, and Hermitian if complex.
@@ -150,8 +151,9 @@ def reconstruct_samples(
 ) -> Reconstruction:
     """The same for samples that were checked."""
     k = check_dim(dim, samples)
-    given = as_points(samples) if options.smooths else samples
-    choices = options.for_core(len(samples), k)
+    smooths = options.smoothing_of(samples) is not False
+    given = as_points(samples) if smooths else samples
+    choices = options.for_core(samples, k)
     result: dict[str, Any]
     with progress_callback(progress) as callback:
         if options.is_paper:
@@ -169,7 +171,7 @@ def reconstruct_samples(
     warn_of_recall(result["search"], result["recall"], stacklevel=4)
     known = isinstance(samples, Points)
     smoothing = None
-    if options.smooths:
+    if smooths:
         smoothing = smoothing_of(given, result["cleaning"], known)
     vertices = None
     if known:
