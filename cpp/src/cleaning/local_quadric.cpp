@@ -23,6 +23,9 @@ constexpr Eigen::Index kRobustRows = 5;
 constexpr double kTwoSided = 2;
 constexpr double kLeastShare = 0.85;
 
+/// The first fit tilts the frame; it need not be found to the last digit before.
+constexpr int kIterations = 5;
+
 double tricube(double ratio) {
   const double rest = std::max(0.0, 1 - ratio * ratio * ratio);
   return rest * rest * rest;
@@ -73,8 +76,8 @@ bool LocalQuadric::fit(const Eigen::MatrixXd& all, const Eigen::VectorXd& distan
   solve(rows, reach_);
 
   // Against the scatter that the fit leaves, its own unknowns are taken off.
-  const Eigen::MatrixXd squares = weighted_.leftCols(num_unknowns_).transpose() *
-                                  weighted_.leftCols(num_unknowns_);
+  const Eigen::MatrixXd squares =
+      weighted_.leftCols(num_unknowns_).transpose() * weighted_.leftCols(num_unknowns_);
   const double taken = factors_.solve(squares).trace();
   const double freedom = weights_.sum() - taken;
   const double sum = weights_.dot(squared_residuals_);
@@ -118,7 +121,8 @@ bool LocalQuadric::find_frame(const Eigen::Ref<const Eigen::MatrixXd>& rows) {
   const Eigen::MatrixXd centered =
       weights_.cwiseSqrt().asDiagonal() * (rows.rowwise() - mean);
   Eigen::VectorXd squares;
-  const Eigen::MatrixXd directions = leading_directions(centered, dim_, squares);
+  const Eigen::MatrixXd directions =
+      leading_directions(centered, dim_, squares, kIterations);
   if (!(squares[0] > kDependentSquaredSine * squares[dim_ - 1])) {
     return false;
   }

@@ -55,7 +55,7 @@ class LocalQuadric {
 
   int dim_;
   int num_unknowns_ = 0;
-  RowMatrix frame_;          // K x D
+  RowMatrix frame_;  // K x D
   Eigen::VectorXd weights_;
   Eigen::MatrixXd tangent_;  // rows x K, in units of the reach
   Eigen::MatrixXd design_;

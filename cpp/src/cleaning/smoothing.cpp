@@ -6,14 +6,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <limits>
 #include <memory>
 #include <numeric>
 #include <stdexcept>
 #include <string>
-#include <utility>
 
 namespace remanifold {
 namespace {
@@ -33,13 +30,13 @@ constexpr Index kLargest = 1 << 14;
 /// more than looking at each sample this many times.
 constexpr Offset kLooks = 2;
 constexpr Index kFewestProbes = 24;
-constexpr Index kMostProbes = 160;
+constexpr Index kMostProbes = 100;
 constexpr int kLevelsAtOnce = 4;
 /// The test that tells clean samples: two sizes, at a few probes and some more where there
 /// are many samples.
 constexpr int kNarrow = 3;
 constexpr int kWide = 5;
-constexpr Index kTestProbes = 32;
+constexpr Index kTestProbes = 12;
 constexpr Index kSamplesPerTestProbe = 500;
 /// Where the scatter about the quadric grows by more than this when the neighborhood
 /// doubles, it is shape, of which cubic terms grow 2^(3/K) times and a crease 2^(1/K)
@@ -54,9 +51,10 @@ constexpr double kLeastNoise = 0.01;
 constexpr double kLeastNoisySize = 8;
 constexpr double kPlateau = 1.15;
 constexpr double kWorthIt = 0.6;
-/// Where the nearest two others are equally far from half of the samples, up to rounding,
-/// they were put there: on a lattice. That is no noise.
+/// Where the nearest two others are equally far from so many samples, up to rounding, they
+/// were put there: on a lattice. That is no noise.
 constexpr double kEquallyFar = 1e-9;
+constexpr double kMostTies = 0.3;
 /// The worst probes do not count, for a few outliers and creases.
 constexpr double kTrimmed = 0.05;
 /// Where the scatter is this many times the noise, the neighborhood is more than the graph
@@ -76,7 +74,7 @@ constexpr double kDrowningNoise = 0.5;
 constexpr Offset kBlock = 16;
 constexpr Offset kBatch = 512;
 /// Neighborhoods of the centers overlap so many times.
-constexpr Index kOverlap = 12;
+constexpr Index kOverlap = 10;
 /// A quadric counts as far as this share of its reach, with weights falling to zero;
 /// samples that have this weight in all are done with.
 constexpr double kBlend = 0.7;
@@ -141,8 +139,7 @@ class Fitter {
     const double* origin = arranged_.point(center);
     for (Eigen::Index i = 0; i < size; ++i) {
       const Index at = i == 0 ? center : found_[i - 1].index;
-      distances_[i] =
-          i == 0 ? 0 : std::sqrt(found_[i - 1].squared_distance) * factor_;
+      distances_[i] = i == 0 ? 0 : std::sqrt(found_[i - 1].squared_distance) * factor_;
       members_[i] = same_ ? at : arranged_.input_index(at);
       const double* point = given_.point(members_[i]);
       for (int axis = 0; axis < dim; ++axis) {
@@ -175,12 +172,14 @@ class Fitter {
 /// What the probes say about neighborhoods of one size. Squared canonical lengths.
 struct Level {
   Index count = 0;
-  double scatter = 0;   // about the quadrics
-  double gain = 0;      // variance of a foot over that of a sample
-  double bias = 0;      // of the feet
-  double growth = 0;    // of the root of the scatter since half the size
-  double radius = 0;    // a length
-  double curvature = 0; // root of the mean square
+  double scatter = 0;    // about the quadrics
+  double gain = 0;       // variance of a foot over that of a sample
+  double bias = 0;       // of the feet
+  double growth = 0;     // of the root of the scatter since half the size
+  double radius = 0;     // a length
+  double curvature = 0;  // root of the mean square
+  double nearest = 0;    // median distance to the nearest other
+  double ties = 0;       // share of the probes with two of them
 };
 
 struct Choice {
@@ -244,7 +243,8 @@ class Smoother {
         std::ceil(kFirstSize * unknowns_ * std::pow(2.0, level / 2.0)));
   }
   Index largest() const {
-    return std::min(kLargest, std::max<Index>(size_of(0), samples_.size() / kLargestShare));
+    return std::min(kLargest,
+                    std::max<Index>(size_of(0), samples_.size() / kLargestShare));
   }
 
   /// Evenly spread for any number of them.
@@ -255,23 +255,25 @@ class Smoother {
   }
 
   /// Levels first, first + step ... last, the bias from two levels before.
-  std::vector<Level> measure(const NeighborSearch& search, int first, int last, int step,
-                             Index probes) const {
+  std::vector<Level> measure(const NeighborSearch& search, int first, int last,
+                             int step, Index probes) const {
     const int num_levels = (last - first) / step + 1;
     const int half = 2 / step;
     struct At {
-      double scatter, gain, difference, gain_difference, growth, radius, curvature;
+      double scatter, gain, difference, gain_difference, growth, radius, curvature,
+          nearest, tie;
     };
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     std::vector<At> at(static_cast<std::size_t>(probes) * num_levels,
-                       {nan, nan, nan, nan, nan, nan, nan});
+                       {nan, nan, nan, nan, nan, nan, nan, nan, 0});
     over(samples_, search, probes, [&](Fitter& fitter, Offset i) {
       fitter.load(probe(i), std::min(size_of(last), samples_.size() - 1));
       std::vector<Eigen::VectorXd> feet(num_levels);
       std::vector<Eigen::VectorXd> influences(num_levels);
       for (int k = 0; k < num_levels; ++k) {
         At& out = at[i * num_levels + k];
-        const auto count = std::min<Eigen::Index>(size_of(first + k * step), fitter.size());
+        const auto count =
+            std::min<Eigen::Index>(size_of(first + k * step), fitter.size());
         if (!fitter.fit(count)) {
           continue;
         }
@@ -281,6 +283,8 @@ class Smoother {
         out.scatter = quadric.variance();
         out.gain = quadric.gain();
         out.radius = fitter.distance(count - 1);
+        out.nearest = fitter.distance(1);
+        out.tie = count > 2 && fitter.distance(2) <= (1 + kEquallyFar) * out.nearest;
         out.curvature = quadric.curvature() * quadric.curvature();
         if (k >= half && feet[k - half].size() > 0) {
           const Eigen::VectorXd& before = influences[k - half];
@@ -307,6 +311,13 @@ class Smoother {
       level.gain = mean(&At::gain);
       level.radius = mean(&At::radius);
       level.curvature = std::sqrt(mean(&At::curvature));
+      std::vector<double> nearest;
+      for (Index i = 0; i < probes; ++i) {
+        const At& one = at[static_cast<std::size_t>(i) * num_levels + k];
+        level.ties += one.tie / probes;
+        nearest.push_back(one.nearest >= 0 ? one.nearest : 0);
+      }
+      level.nearest = median(std::move(nearest));
       std::vector<double> growths;
       for (Index i = 0; i < probes; ++i) {
         const At& one = at[static_cast<std::size_t>(i) * num_levels + k];
@@ -317,7 +328,6 @@ class Smoother {
         const double excess =
             mean(&At::difference) - level.scatter * mean(&At::gain_difference);
         level.bias = std::max(0.0, excess) / (decay * decay);
-        if (getenv("RMDEBUG")) fprintf(stderr, "n %d probes %d scatter %.5g gain %.4g bias %.5g growth %.3f rad %.3g  diff %.4g  exp %.4g risk %.5g\n", level.count, probes, std::sqrt(level.scatter), level.gain, std::sqrt(level.bias), level.growth, level.radius, std::sqrt(mean(&At::difference)), std::sqrt(level.scatter * mean(&At::gain_difference)), std::sqrt(level.bias+level.gain*level.scatter));
       }
     }
     return levels;
@@ -326,21 +336,17 @@ class Smoother {
   Choice choose(const NeighborSearch& search) const {
     Choice choice;
     const Index size = samples_.size();
-    const auto [nearest, on_lattice] = look_around(search);
-    if (on_lattice && options_.only_noise) {
-      choice.noise = choice.risk = 0;
-      return choice;
-    }
     const Index few = std::min(size, kTestProbes + size / kSamplesPerTestProbe);
-    const std::vector<Level> test = measure(search, kNarrow, kWide, kWide - kNarrow, few);
+    const std::vector<Level> test =
+        measure(search, kNarrow, kWide, kWide - kNarrow, few);
     choice.noise = test[0].scatter;
     choice.risk = test[0].scatter * test[0].gain;
     choice.gain = test[0].gain;
     choice.radius = test[0].radius;
     choice.num_neighbors = test[0].count;
-    const bool clean = !(test[1].growth < kShapeGrowth) ||
+    const double nearest = test[1].nearest;
+    const bool clean = test[1].ties > kMostTies || !(test[1].growth < kShapeGrowth) ||
                        !(std::sqrt(test[1].scatter) > kLeastNoise * nearest);
-    if (getenv("RMDEBUG")) fprintf(stderr, "test: growth %.3f scatter/nn %.4g clean %d\n", test[1].growth, std::sqrt(test[1].scatter)/nearest, clean);
     if (clean && options_.only_noise) {
       return choice;
     }
@@ -352,7 +358,8 @@ class Smoother {
         --last;
       }
       const auto looks = static_cast<Index>(kLooks * size / size_of(last));
-      const Index probes = std::min(size, std::clamp(looks, kFewestProbes, kMostProbes));
+      const Index probes =
+          std::min(size, std::clamp(looks, kFewestProbes, kMostProbes));
       std::vector<Level> more = measure(search, first - 2, last, 1, probes);
       levels.insert(levels.end(), more.begin() + 2, more.end());
       const Level& end = levels.back();
@@ -395,15 +402,17 @@ class Smoother {
       choice.curvature = level.curvature;
     }
     choice.noisy = levels[flat].growth < kPlateau &&
+                   levels[flat].count <= choice.num_neighbors &&
                    choice.num_neighbors >= kLeastNoisySize * unknowns_ &&
                    choice.risk < kWorthIt * kWorthIt * choice.noise &&
                    std::sqrt(choice.noise) > kLeastNoise * nearest;
     const double one_way =
         std::sqrt(choice.noise / std::max(1, samples_.ambient_dim() - options_.dim));
     choice.drowning =
-        choice.noisy ? choice.curvature * std::max(std::sqrt(choice.risk) / kDrowningError,
-                                                   one_way / kDrowningNoise)
-                     : 0;
+        choice.noisy
+            ? choice.curvature * std::max(std::sqrt(choice.risk) / kDrowningError,
+                                          one_way / kDrowningNoise)
+            : 0;
     return choice;
   }
 
@@ -458,16 +467,18 @@ class Smoother {
       for (std::size_t begin = 0; begin < centers.size(); begin += kBatch) {
         const std::size_t batch = std::min<std::size_t>(kBatch, centers.size() - begin);
         std::vector<Fit> fits(batch);
-        over(arranged, search, static_cast<Offset>(batch), [&](Fitter& fitter, Offset i) {
-          fitter.load(centers[begin + i], count);
-          share(fitter, own_only, fits[i].shares, fits[i].moves);
-        });
+        over(arranged, search, static_cast<Offset>(batch),
+             [&](Fitter& fitter, Offset i) {
+               fitter.load(centers[begin + i], count);
+               share(fitter, own_only, fits[i].shares, fits[i].moves);
+             });
         for (const Fit& fit : fits) {
           for (std::size_t k = 0; k < fit.shares.size(); ++k) {
             const Share& share = fit.shares[k];
             weights[share.sample] += share.weight;
             for (std::size_t axis = 0; axis < dim; ++axis) {
-              moves[share.sample * dim + axis] += share.weight * fit.moves[k * dim + axis];
+              moves[share.sample * dim + axis] +=
+                  share.weight * fit.moves[k * dim + axis];
             }
           }
         }
@@ -490,8 +501,7 @@ class Smoother {
       const double* from = samples_.point(x);
       for (std::size_t axis = 0; axis < dim; ++axis) {
         points[x * dim + axis] =
-            from[axis] +
-            (weights[x] > 0 ? moves[x * dim + axis] / weights[x] : 0.0);
+            from[axis] + (weights[x] > 0 ? moves[x * dim + axis] / weights[x] : 0.0);
       }
     }
     // Given samples that were moved to the same place stay there.
@@ -529,24 +539,6 @@ class Smoother {
         moves.push_back(-quadric.residuals()(i, axis));
       }
     }
-  }
-
-  /// The median distance to the nearest other, and whether the samples are a lattice.
-  std::pair<double, bool> look_around(const NeighborSearch& search) const {
-    const auto query = search.query(execution_);
-    std::vector<Neighbor> found;
-    std::vector<double> nearest;
-    Index ties = 0;
-    const Index probes = std::min(kMostProbes, samples_.size());
-    for (Index i = 0; i < probes; ++i) {
-      query->nearest(probe(i), 2, kEverywhere, found);
-      if (!found.empty()) {
-        nearest.push_back(std::sqrt(found[0].squared_distance));
-        ties += found.back().squared_distance <=
-                (1 + kEquallyFar) * found[0].squared_distance;
-      }
-    }
-    return {nearest.empty() ? 0 : median(std::move(nearest)), 2 * ties > probes};
   }
 
   const Samples& samples_;

@@ -17,7 +17,6 @@ namespace {
 
 /// Coordinates from which on the leading directions are iterated for instead of all.
 constexpr Eigen::Index kIteratedCoordinates = 24;
-constexpr int kIterations = 12;
 /// Directions beyond the K wanted ones that are carried along: what mixes with them does
 /// not matter.
 constexpr Eigen::Index kSpareDirections = 4;
@@ -31,7 +30,7 @@ constexpr double kLeastFreedom = 1e-3;
 }  // namespace
 
 Eigen::MatrixXd leading_directions(const Eigen::MatrixXd& rows, Eigen::Index count,
-                                   Eigen::VectorXd& squares) {
+                                   Eigen::VectorXd& squares, int iterations) {
   const Eigen::Index size = rows.cols();
   if (size < kIteratedCoordinates) {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(rows.transpose() * rows);
@@ -53,7 +52,7 @@ Eigen::MatrixXd leading_directions(const Eigen::MatrixXd& rows, Eigen::Index cou
     images.col(i) = rows.col(axes[i]);
   }
   Eigen::MatrixXd directions;
-  for (int step = 0; step < kIterations; ++step) {
+  for (int step = 0; step < iterations; ++step) {
     const Eigen::HouseholderQR<Eigen::MatrixXd> factors(rows.transpose() * images);
     directions = factors.householderQ() * Eigen::MatrixXd::Identity(size, carried);
     images.noalias() = rows * directions;
