@@ -181,7 +181,7 @@ def reconstruct_samples(
         at_resolution = ComplexData(vertices, result["simplices"])
         vertices = vertices.copy()
         vertices[attached] = project(
-            at_resolution, vertices[attached], num_threads=threads
+            at_resolution, vertices[attached], num_threads=threads or None
         ).points
     if smoothing is not None and smoothing.drowned:
         warnings.warn(
