@@ -2,16 +2,20 @@
 // The default method, from top to bottom: tangent spaces, local regions, what the stars
 // agree on, the chain of least energy through the rest, orientation.
 #include "base/parallel.hpp"
+#include "base/tolerance.hpp"
 #include "cleaning/clean_samples.hpp"
+#include "complex/simplex_rows.hpp"
 #include "first_steps.hpp"
 #include "remanifold/constants.hpp"
 #include "remanifold/input_numbering.hpp"
 #include "remanifold/reconstruct.hpp"
+#include "remanifold/topology.hpp"
 
 #include <Eigen/Core>
 #include <Eigen/LU>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace remanifold {
@@ -73,6 +77,92 @@ std::vector<std::int8_t> orient(const Samples& samples, const SimplexArray& simp
   return signs;
 }
 
+/// The determinant of the edges from the first vertex, and the product of their lengths.
+std::pair<double, double> volume_of(const Samples& samples, const Index* simplex) {
+  const int dim = samples.ambient_dim();
+  Eigen::MatrixXd edges(dim, dim);
+  for (int i = 0; i < dim; ++i) {
+    for (int j = 0; j < dim; ++j) {
+      edges(i, j) = samples.point(simplex[i + 1])[j] - samples.point(simplex[0])[j];
+    }
+  }
+  return {dim == 3 ? Eigen::Matrix3d(edges).determinant() : edges.determinant(),
+          edges.rowwise().norm().prod()};
+}
+
+/// With K = D a simplex fills space, to the side that its patch does. What is flat, or has
+/// its volume on the other side, is left out: samples in planes have no K-dimensional
+/// neighborhood, and that is in the report.
+void leave_out_flat(const Samples& samples, ManifoldComplex& complex,
+                    const Execution& execution) {
+  SimplexArray& simplices = complex.simplices;
+  const auto size = static_cast<std::size_t>(simplices.size());
+  std::vector<double> volumes(size);
+  std::vector<double> of_patch(complex.patches.sizes.size(), 0.0);
+  std::vector<std::uint8_t> dropped(size, 0);
+  for (std::size_t s = 0; s < size; ++s) {
+    const auto [volume, lengths] =
+        volume_of(samples, simplices[static_cast<Offset>(s)]);
+    const bool flat = !(std::abs(volume) > detail::kFlatSimplex * lengths);
+    volumes[s] = flat ? 0 : volume * complex.patches.sign[s];
+    of_patch[complex.patches.patch[s]] += volumes[s];
+  }
+  for (std::size_t s = 0; s < size; ++s) {
+    const Index patch = complex.patches.patch[s];
+    dropped[s] = !(volumes[s] * of_patch[patch] > 0);
+  }
+  if (std::find(dropped.begin(), dropped.end(), 1) == dropped.end()) {
+    return;
+  }
+  const int arity = simplices.arity;
+  std::vector<std::uint8_t> used(samples.size(), 0);
+  ManifoldReport& report = complex.report;
+  SimplexArray filled;
+  filled.arity = arity;
+  SimplexArray kept;
+  kept.arity = arity;
+  for (std::size_t s = 0; s < size; ++s) {
+    const Index* simplex = simplices[static_cast<Offset>(s)];
+    for (int i = 0; i < arity; ++i) {
+      std::uint8_t& use = used[simplex[i]];
+      use = dropped[s] == 0 ? 2 : std::max<std::uint8_t>(use, 1);
+    }
+    if (dropped[s] == 0) {
+      detail::append_row(kept, simplex);
+    }
+  }
+  for (Offset s = 0; s < report.filled.size(); ++s) {
+    if (detail::find_row(kept, report.filled[s]) >= 0) {
+      detail::append_row(filled, report.filled[s]);
+    }
+  }
+  for (Index v = 0; v < samples.size(); ++v) {
+    if (used[v] == 1) {
+      report.outliers.push_back(v);
+    }
+  }
+  std::sort(report.outliers.begin(), report.outliers.end());
+  report.filled = std::move(filled);
+  simplices = std::move(kept);
+
+  const FacetGroups groups = group_facets(simplices, samples.size(), execution);
+  report.open_facets = report.branching_facets = {};
+  report.open_facets.arity = report.branching_facets.arity = arity - 1;
+  std::vector<Index> facet(arity - 1);
+  for (Offset g = 0; g < groups.size(); ++g) {
+    if (groups.cofaces(g) != 2) {
+      copy_facet(simplices, groups.facets[groups.offsets[g]], facet.data());
+      detail::append_row(
+          groups.cofaces(g) == 1 ? report.open_facets : report.branching_facets,
+          facet.data());
+    }
+  }
+  report.singular = singular_vertices(
+      simplices, std::vector<std::uint8_t>(samples.size(), 1), execution);
+  complex.patches =
+      orient_patches(facet_neighbors(simplices, samples.size(), execution), arity);
+}
+
 }  // namespace
 
 Reconstruction reconstruct(const Samples& given, const ReconstructOptions& options,
@@ -83,6 +173,7 @@ Reconstruction reconstruct(const Samples& given, const ReconstructOptions& optio
       options.estimator.value_or(Estimator::kJet)};
   detail::CleanSamples clean(
       given, options, options.outlier_distance.value_or(kOutlierDistance), execution);
+  clean.set_thinning();
   detail::FirstSteps steps = detail::take_first_steps(clean, tangent, execution);
   const Samples& samples = clean.samples();
   const Neighborhoods& neighborhoods = clean.neighborhoods();
@@ -105,6 +196,9 @@ Reconstruction reconstruct(const Samples& given, const ReconstructOptions& optio
       build_manifold(samples.knowing(neighborhoods), neighborhoods, steps.tangents,
                      steps.regions, manifold, solver, execution);
   steps.regions = {};
+  if (samples.has_points() && samples.ambient_dim() == dim && dim > 1) {
+    leave_out_flat(samples, complex, execution);
+  }
   const std::vector<std::int8_t> signs =
       orient(samples, complex.simplices, complex.patches);
   result.simplices = to_input(samples, complex.simplices, signs, execution);

@@ -74,6 +74,11 @@ py::dict to_dict(Cleaning&& cleaning, py::ssize_t ambient_dim) {
   out["rounds"] = cleaning.smoothing_rounds;
   out["noise"] = cleaning.noise;
   out["prediction_error"] = cleaning.prediction_error;
+  out["remaining_error"] = cleaning.remaining_error;
+  out["drowned"] = cleaning.drowned;
+  out["growth"] = cleaning.growth;
+  out["resolution"] = cleaning.resolution;
+  out["attached"] = to_numpy(std::move(cleaning.attached));
   return out;
 }
 

@@ -92,7 +92,7 @@ class ManifoldReconstruction(OneToOneFeatureMixin, TransformerMixin, BaseEstimat
         boundary: Literal["auto", False] | ArrayLike = "auto",
         hole_radius: float | None = None,
         outliers: Literal["auto", False] | float | None = None,
-        smooth: Literal["auto"] | bool | int = False,
+        smooth: Literal["auto"] | bool | int | None = None,
         num_neighbors: int | None = None,
         tangent_estimator: Estimator | None = None,
         n_jobs: int | None = None,

@@ -89,7 +89,7 @@ def arrays_of(rec: rm.Reconstruction, quality: bool) -> dict[str, Any]:
         value = getattr(rec, name)
         for part, array in zip(("offsets", "rows"), value or (None, None), strict=True):
             out[f"{name}_{part}"] = array
-    if rec.smoothing is not None:
+    if rec.smoothing is not None and rec.smoothing.moved:
         out["noise"] = np.array([rec.smoothing.noise])
     if quality:
         for name in (

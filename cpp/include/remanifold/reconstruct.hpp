@@ -22,6 +22,13 @@ struct Cleaning {
   int smoothing_rounds = 0;
   double noise = 0;             ///< as in Smoothing; NaN where not estimated
   double prediction_error = 0;  ///< likewise
+  double remaining_error = 0;   ///< likewise
+  bool drowned = false;         ///< likewise
+  double growth = 1;            ///< likewise
+  /// Distance below which smoothed samples carry no more shape: of those nearer to each
+  /// other one is kept. 0 where all are.
+  double resolution = 0;
+  std::vector<Index> attached;  ///< the others, ascending
 };
 
 /// Wall seconds of each step. All that touches the D coordinates counts as neighborhoods:

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Noisy samples moved onto the manifold: each to the quadric that its neighborhood shows,
+// Noisy samples moved onto the manifold: each to the quadrics that its neighborhood shows,
 // along the normals (moving least squares in any dimension and codimension: Levin,
 // Mesh-independent surface interpolation, 2003; Sober and Levin, Manifold approximation by
-// moving least-squares projection, 2020). The size of the neighborhoods is that at which
-// samples are predicted best by the others (leave-one-out cross-validation): many where
-// noise is what separates them, few where curvature is.
+// moving least-squares projection, 2020). Quadrics are fitted at centers, and a sample goes
+// to the mean of those that it is near the middle of (Cleveland and Devlin, Locally
+// weighted regression, 1988), so that the cost does not grow with the neighborhoods.
+//
+// Their size is that at which noise and bias balance. A ladder of sizes is looked at, at
+// some samples: noise is the scatter about the quadrics where it does not grow with the
+// size, and the bias follows from how far the foot of a sample moves from half the size to
+// the whole, beyond what noise explains (Lepski, 1991).
 #pragma once
 
 #include "remanifold/execution.hpp"
@@ -19,10 +24,10 @@ namespace remanifold {
 struct SmoothingOptions {
   int dim = 0;  ///< K
   /// Neighbors that a quadric is fitted to, their weights falling to zero at the last;
-  /// 0: by cross-validation.
+  /// 0: those at which noise and bias balance.
   Index num_neighbors = 0;
-  /// Moves nothing where cross-validation finds no noise: where large neighborhoods do not
-  /// predict better than small ones.
+  /// Moves nothing where there is no noise: where the scatter about quadrics grows with
+  /// the neighborhoods, or large neighborhoods do not predict better than small ones.
   bool only_noise = true;
   SearchOptions search;
 };
@@ -35,8 +40,17 @@ struct Smoothing {
   /// Root of the mean squared normal distance between samples and manifold, canonical
   /// length. NaN where there are too few samples to tell.
   double noise = 0;
-  /// The least root of the mean squared error of a prediction, canonical length.
+  /// Root of the mean squared error of a prediction of a sample by the others, canonical
+  /// length.
   double prediction_error = 0;
+  /// Root of the mean squared distance from the manifold that is expected to remain,
+  /// canonical length.
+  double remaining_error = 0;
+  /// The noise is as large as the shape: no neighborhood is wide enough to average it out
+  /// and narrow enough to be the graph of a quadric.
+  bool drowned = false;
+  /// With `growth` times as many samples it would not be.
+  double growth = 1;
 };
 
 /// Points only.

@@ -7,10 +7,21 @@
 #include "remanifold/smoothing.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 
 namespace remanifold {
+namespace {
+
+/// Samples nearer to each other than this many times the error that remains show it, not
+/// the shape.
+constexpr double kResolution = 4;
+/// Samples at which the spacing is looked at.
+constexpr Index kSpacingProbes = 400;
+
+}  // namespace
+
 namespace detail {
 
 CleanSamples::CleanSamples(const Samples& given, const ReconstructOptions& options,
@@ -24,7 +35,7 @@ CleanSamples::CleanSamples(const Samples& given, const ReconstructOptions& optio
 
 void CleanSamples::run(Index count) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  report_.noise = report_.prediction_error = nan;
+  report_.noise = report_.prediction_error = report_.remaining_error = nan;
   if (count > 0 || outlier_distance_ > 0) {
     find(std::max<Index>(count, outlier_scale_neighbors(options_.dim)));
   }
@@ -36,7 +47,8 @@ void CleanSamples::run(Index count) {
         find_outliers(given_, *search_, neighborhoods_,
                       {options_.dim, outlier_distance_}, execution_);
     if (!outliers.empty()) {
-      leave_out(outliers);
+      report_.outliers = to_input(outliers);
+      change(given_.without(outliers));
       stale = true;
     }
   }
@@ -48,11 +60,18 @@ void CleanSamples::run(Index count) {
     Smoothing smoothed = smooth(samples(), *search_, smoothing, execution_);
     report_.noise = smoothed.noise * given_.scale();
     report_.prediction_error = smoothed.prediction_error * given_.scale();
+    report_.remaining_error = smoothed.remaining_error * given_.scale();
+    report_.drowned = smoothed.drowned;
+    report_.growth = smoothed.growth;
     report_.smoothing_neighbors = smoothed.num_neighbors;
     report_.smoothing_rounds = smoothed.rounds;
     if (!smoothed.points.empty()) {
       move(smoothed.points);
       stale = true;
+      if (thins_) {
+        thin(kResolution * smoothed.remaining_error * given_.scale() /
+             samples().scale());
+      }
     }
   }
   if (stale && count > 0) {
@@ -71,18 +90,19 @@ void CleanSamples::change(Samples samples) {
   search_.emplace(*changed_, options_.search, execution_);
 }
 
-void CleanSamples::leave_out(const std::vector<Index>& outliers) {
-  std::vector<std::uint8_t> marked(given_.size(), 0);
-  for (const Index x : outliers) {
+std::vector<Index> CleanSamples::to_input(const std::vector<Index>& chosen) const {
+  std::vector<std::uint8_t> marked(samples().size(), 0);
+  for (const Index x : chosen) {
     marked[x] = 1;
   }
-  const std::vector<Index> canonical = given_.canonical_indices();
-  for (Index i = 0; i < given_.input_size(); ++i) {
-    if (marked[canonical[i]] != 0) {
-      report_.outliers.push_back(i);
+  const std::vector<Index> canonical = samples().canonical_indices();
+  std::vector<Index> result;
+  for (Index i = 0; i < samples().input_size(); ++i) {
+    if (canonical[i] >= 0 && marked[canonical[i]] != 0) {
+      result.push_back(i);
     }
   }
-  change(given_.without(outliers));
+  return result;
 }
 
 void CleanSamples::move(const std::vector<double>& points) {
@@ -102,6 +122,46 @@ void CleanSamples::move(const std::vector<double>& points) {
   }
   change(before.moved_to({points.data(), before.size(), before.ambient_dim()},
                          execution_));
+}
+
+// One of those near each other is kept: the first along the curve that they are sorted by.
+// The kept ones are farther apart than the distance, and no other is farther from them.
+void CleanSamples::thin(double distance) {
+  const Samples& all = samples();
+  const auto query = search_->query(execution_);
+  std::vector<Neighbor> near;
+  std::vector<double> nearest;
+  const Index stride = std::max<Index>(1, all.size() / kSpacingProbes);
+  for (Index x = 0; x < all.size(); x += stride) {
+    query->nearest(x, 1, std::numeric_limits<double>::infinity(), near);
+    nearest.push_back(near.empty() ? 0 : std::sqrt(near[0].squared_distance));
+  }
+  const auto middle = nearest.begin() + static_cast<Offset>(nearest.size() / 2);
+  std::nth_element(nearest.begin(), middle, nearest.end());
+  if (!(distance > *middle)) {
+    return;
+  }
+  std::vector<std::uint8_t> left_out(all.size(), 0);
+  std::vector<Index> rest;
+  for (Index x = 0; x < all.size(); ++x) {
+    if (left_out[x] != 0) {
+      rest.push_back(x);
+      continue;
+    }
+    execution_.poll();
+    query->nearest(x, all.size() - 1, distance * distance, near);
+    for (const Neighbor& neighbor : near) {
+      if (neighbor.index > x) {
+        left_out[neighbor.index] = 1;
+      }
+    }
+  }
+  if (rest.empty()) {
+    return;
+  }
+  report_.resolution = distance * all.scale();
+  report_.attached = to_input(rest);
+  change(all.without(rest));
 }
 
 }  // namespace detail

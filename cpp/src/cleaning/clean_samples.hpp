@@ -22,6 +22,8 @@ class CleanSamples {
   CleanSamples(const CleanSamples&) = delete;
   CleanSamples& operator=(const CleanSamples&) = delete;
 
+  /// Smoothed samples are thinned to the resolution that the noise allows.
+  void set_thinning() { thins_ = true; }
   /// \param count  of neighborhoods, 0 where the caller has no use for them
   void run(Index count);
 
@@ -35,12 +37,14 @@ class CleanSamples {
  private:
   void find(Index count);
   void change(Samples samples);
-  void leave_out(const std::vector<Index>& outliers);
   void move(const std::vector<double>& points);
+  void thin(double distance);
+  std::vector<Index> to_input(const std::vector<Index>& samples) const;
 
   const Samples& given_;
   const ReconstructOptions& options_;
   double outlier_distance_;
+  bool thins_ = false;
   const Execution& execution_;
   std::optional<Samples> changed_;
   std::optional<NeighborSearch> search_;

@@ -2,117 +2,95 @@
 #include "remanifold/smoothing.hpp"
 
 #include "base/parallel.hpp"
-#include "local/local_coordinates.hpp"
-#include "local/quadratic_fit.hpp"
+#include "cleaning/local_quadric.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 
 namespace remanifold {
 namespace {
 
-constexpr Offset kBlock = 32;
-/// Samples at which sizes of neighborhoods are tried.
-constexpr Index kProbes = 400;
-/// Sizes tried, in unknowns of the quadric.
-constexpr double kSizes[] = {1.5, 2, 3, 4.5, 7, 10, 15, 22, 33, 50, 75};
-/// No neighborhood holds a larger share of the samples.
+using detail::LocalQuadric;
+
+constexpr double kEverywhere = std::numeric_limits<double>::infinity();
+
+// ------------------------------------------------- which size of neighborhoods, which noise
+
+/// Sizes tried: this many neighbors an unknown of the quadric, times the root of two each.
+constexpr double kFirstSize = 1.5;
+/// No neighborhood holds a larger share of the samples, or more than that.
 constexpr Index kLargestShare = 4;
-/// Where predictions have become this much worse, and the samples lie farther off their
-/// quadrics than the best prediction, larger neighborhoods are not tried. Predictions by
-/// few of very noisy samples alone are no reason to stop: now and then they extrapolate.
-constexpr double kHopeless = 1.3;
-/// The worst predictions do not count, for a few outliers; no more, since the worst show
-/// where neighborhoods are too small to know the tangent space.
-constexpr double kTrimmed = 0.01;
-/// Noise is where neighborhoods of so many unknowns predict better than smaller ones, and
-/// where it is more than this share of the distance to the nearest neighbor.
-constexpr double kLeastNoisySize = 6;
+constexpr Index kLargest = 1 << 14;
+/// Samples at which sizes are tried: few for large neighborhoods, so that no size costs
+/// more than looking at each sample this many times.
+constexpr Offset kLooks = 2;
+constexpr Index kFewestProbes = 24;
+constexpr Index kMostProbes = 100;
+constexpr int kLevelsAtOnce = 4;
+/// The test that tells clean samples: two sizes, at a few probes and some more where there
+/// are many samples.
+constexpr int kNarrow = 3;
+constexpr int kWide = 5;
+constexpr Index kTestProbes = 12;
+constexpr Index kSamplesPerTestProbe = 500;
+/// Where the scatter about the quadric grows by more than this when the neighborhood
+/// doubles, it is shape, of which cubic terms grow 2^(3/K) times and a crease 2^(1/K)
+/// times; noise stays. Half of the probes decide.
+constexpr double kShapeGrowth = 1.25;
+/// Scatter below this share of the distance to the nearest neighbor is not worth a move.
 constexpr double kLeastNoise = 0.01;
-/// Where the members of a neighborhood lie this much farther from its quadric than its
-/// middle does, the neighborhood is more than the graph of a quadric.
-constexpr double kBiased = 1.25;
-/// Noise of this many nearest-neighbor distances mixes up who is whose neighbor.
-constexpr double kConfusing = 0.5;
+/// Noise is where neighborhoods of so many unknowns predict better than smaller ones, where
+/// the scatter at some size grows by less than this when that doubles (rough terrain and
+/// coasts grow at all sizes), and where the foot of a sample is known this much better than
+/// the sample.
+constexpr double kLeastNoisySize = 8;
+constexpr double kPlateau = 1.15;
+constexpr double kWorthIt = 0.6;
+/// Where the nearest two others are equally far from so many samples, up to rounding, they
+/// were put there: on a lattice. That is no noise.
+constexpr double kEquallyFar = 1e-9;
+constexpr double kMostTies = 0.3;
+/// The worst probes do not count, for a few outliers and creases.
+constexpr double kTrimmed = 0.05;
+/// Where the scatter is this many times the noise, the neighborhood is more than the graph
+/// of a quadric.
+constexpr double kNoGraph = 1.35;
+/// Where it has become that, and grows so fast when the neighborhood doubles as only shape
+/// can, larger sizes are not tried.
+constexpr double kHopelessGrowth = 1.35;
 
-/// Neighborhoods in one arrangement of the samples (the given one, or a smoothed one) and
-/// quadrics through the given positions of their members.
-class Projector {
- public:
-  /// \param arranged  the samples where the neighborhoods are looked for; numbers of the
-  ///                  given samples are its input numbers
-  Projector(const Samples& given, const Samples& arranged, const NeighborSearch& search,
-            const Execution& execution, int dim)
-      : given_(given),
-        arranged_(arranged),
-        query_(search.query(execution)),
-        fit_(dim),
-        same_(&given == &arranged) {}
+/// Noise drowns the shape where what remains of it, or the noise in one direction itself,
+/// is this share of the radius of curvature.
+constexpr double kDrowningError = 0.3;
+constexpr double kDrowningNoise = 0.5;
 
-  /// Fits the neighborhood of an arranged sample; it may be that of several given ones.
-  bool fit(Index arranged, Index count) {
-    query_->nearest(arranged, count, std::numeric_limits<double>::infinity(), found_);
-    members_.clear();
-    members_.push_back(number(arranged));
-    weights_.resize(static_cast<Eigen::Index>(found_.size()) + 1);
-    weights_[0] = 1;
-    const double end =
-        found_.empty() ? 1 : std::sqrt(found_.back().squared_distance) * (1 + 1e-6);
-    for (const Neighbor& neighbor : found_) {
-      const double ratio = std::sqrt(neighbor.squared_distance) / end;
-      const double rest = 1 - ratio * ratio * ratio;
-      weights_[static_cast<Eigen::Index>(members_.size())] = rest * rest * rest;
-      members_.push_back(number(neighbor.index));
-    }
-    // The first member is the origin.
-    coordinates_.load(given_, members_[0], members_.data(),
-                      static_cast<Index>(members_.size()));
-    return fit_.fit(coordinates_.vectors(), weights_);
-  }
+// ------------------------------------------------------------------------- projecting
 
-  double prediction_error() { return fit_.distance_without(0); }
-  double variance() const { return fit_.variance(); }
+constexpr Offset kBlock = 16;
+constexpr Offset kBatch = 512;
+/// Neighborhoods of the centers overlap so many times.
+constexpr Index kOverlap = 10;
+/// A quadric counts as far as this share of its reach, with weights falling to zero;
+/// samples that have this weight in all are done with.
+constexpr double kBlend = 0.7;
+constexpr double kEnough = 0.15;
+/// Samples farther than this many times the scatter off a quadric are not of its sheet.
+constexpr double kOwnSheet = 5;
+constexpr int kPasses = 6;
+/// Noise of this share of the radius of the neighborhoods mixes up who belongs to them:
+/// they are looked for again among the samples as moved.
+constexpr double kConfusing = 0.12;
+constexpr int kMostRounds = 3;
 
-  void write_projection(double* out) {
-    fit_.predict(0, combination_);
-    const int ambient_dim = given_.ambient_dim();
-    std::fill_n(out, ambient_dim, 0.0);
-    // As a move of the sample: weights sum to one, and small moves keep their digits.
-    const double* origin = given_.point(members_[0]);
-    for (std::size_t i = 0; i < members_.size(); ++i) {
-      const double* point = given_.point(members_[i]);
-      const double weight = combination_[static_cast<Eigen::Index>(i)];
-      for (int axis = 0; axis < ambient_dim; ++axis) {
-        out[axis] += weight * (point[axis] - origin[axis]);
-      }
-    }
-    for (int axis = 0; axis < ambient_dim; ++axis) {
-      out[axis] += origin[axis];
-    }
-  }
-
- private:
-  Index number(Index arranged) const {
-    return same_ ? arranged : arranged_.input_index(arranged);
-  }
-
-  const Samples& given_;
-  const Samples& arranged_;
-  std::unique_ptr<NeighborSearch::Query> query_;
-  detail::QuadraticFit fit_;
-  bool same_;
-  std::vector<Neighbor> found_;
-  std::vector<Index> members_;
-  Eigen::VectorXd weights_;
-  Eigen::VectorXd combination_;
-  detail::LocalCoordinates coordinates_;
-};
-
-double trimmed_root_mean_square(std::vector<double> values) {
+double trimmed_mean(std::vector<double> values) {
+  values.erase(std::remove_if(values.begin(), values.end(),
+                              [](double v) { return !std::isfinite(v); }),
+               values.end());
   if (values.empty()) {
     return std::numeric_limits<double>::quiet_NaN();
   }
@@ -122,123 +100,413 @@ double trimmed_root_mean_square(std::vector<double> values) {
              static_cast<std::size_t>(kTrimmed * static_cast<double>(values.size())));
   double sum = 0;
   for (std::size_t i = 0; i < kept; ++i) {
-    sum += values[i] * values[i];
+    sum += values[i];
   }
-  return std::sqrt(sum / static_cast<double>(kept));
+  return sum / static_cast<double>(kept);
 }
+
+double median(std::vector<double> values) {
+  if (values.empty()) {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  const auto middle = values.begin() + static_cast<Offset>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Neighborhoods in one arrangement of the samples (the given one, or a smoothed one) with
+/// the given positions of their members, and quadrics through these.
+class Fitter {
+ public:
+  /// \param arranged  the samples where the neighborhoods are looked for; numbers of the
+  ///                  given samples are its input numbers
+  Fitter(const Samples& given, const Samples& arranged, const NeighborSearch& search,
+         const Execution& execution, int dim)
+      : given_(given),
+        arranged_(arranged),
+        query_(search.query(execution)),
+        fit_(dim),
+        same_(&given == &arranged) {}
+
+  /// Loads the `count` nearest of an arranged sample, the sample itself first.
+  void load(Index center, Index count) {
+    query_->nearest(center, count, kEverywhere, found_);
+    const auto size = static_cast<Eigen::Index>(found_.size()) + 1;
+    const int dim = given_.ambient_dim();
+    rows_.resize(size, dim);
+    distances_.resize(size);
+    members_.resize(size);
+    const double* origin = arranged_.point(center);
+    for (Eigen::Index i = 0; i < size; ++i) {
+      const Index at = i == 0 ? center : found_[i - 1].index;
+      distances_[i] = i == 0 ? 0 : std::sqrt(found_[i - 1].squared_distance) * factor_;
+      members_[i] = same_ ? at : arranged_.input_index(at);
+      const double* point = given_.point(members_[i]);
+      for (int axis = 0; axis < dim; ++axis) {
+        rows_(i, axis) = point[axis] - origin[axis] * factor_;
+      }
+    }
+  }
+  bool fit(Eigen::Index count) { return fit_.fit(rows_, distances_, count, same_); }
+  /// Canonical lengths of the given samples are so many of the arranged ones.
+  void set_factor(double factor) { factor_ = factor; }
+
+  Eigen::Index size() const { return rows_.rows(); }
+  double distance(Eigen::Index i) const { return distances_[i]; }
+  const std::vector<Index>& members() const { return members_; }
+  const LocalQuadric& quadric() const { return fit_; }
+
+ private:
+  const Samples& given_;
+  const Samples& arranged_;
+  std::unique_ptr<NeighborSearch::Query> query_;
+  LocalQuadric fit_;
+  bool same_;
+  double factor_ = 1;
+  std::vector<Neighbor> found_;
+  std::vector<Index> members_;
+  Eigen::MatrixXd rows_;
+  Eigen::VectorXd distances_;
+};
+
+/// What the probes say about neighborhoods of one size. Squared canonical lengths.
+struct Level {
+  Index count = 0;
+  double scatter = 0;    // about the quadrics
+  double gain = 0;       // variance of a foot over that of a sample
+  double bias = 0;       // of the feet
+  double growth = 0;     // of the root of the scatter since half the size
+  double radius = 0;     // a length
+  double curvature = 0;  // root of the mean square
+  double nearest = 0;    // median distance to the nearest other
+  double ties = 0;       // share of the probes with two of them
+};
 
 struct Choice {
   Index num_neighbors = 0;
-  double error = std::numeric_limits<double>::infinity();
-  double noise = std::numeric_limits<double>::quiet_NaN();
+  double noise = std::numeric_limits<double>::quiet_NaN();  // variance
+  double risk = std::numeric_limits<double>::quiet_NaN();   // of the feet
+  double gain = 0;
+  double radius = 0;
+  double curvature = 0;
+  bool noisy = false;
+  double drowning = 0;  // drowned from 1 on
 };
 
 class Smoother {
  public:
   Smoother(const Samples& samples, const SmoothingOptions& options,
            const Execution& execution)
-      : samples_(samples), options_(options), execution_(execution) {}
+      : samples_(samples),
+        options_(options),
+        execution_(execution),
+        unknowns_(LocalQuadric::unknowns(options.dim)) {}
 
   Smoothing run(const NeighborSearch& search) {
-    const Choice choice = choose(search);
     Smoothing result;
-    result.noise = choice.noise;
-    result.prediction_error = choice.error;
-    const double nearest = median_nearest(search);
-    const bool noisy =
-        choice.num_neighbors >=
-            kLeastNoisySize * detail::QuadraticFit::unknowns(options_.dim) &&
-        choice.noise > kLeastNoise * nearest;
-    if (options_.only_noise && !noisy) {
+    const Choice choice = choose(search);
+    result.noise = std::sqrt(choice.noise);
+    result.prediction_error = std::sqrt(choice.noise + choice.risk);
+    result.remaining_error = result.noise;
+    if (options_.only_noise && !choice.noisy) {
       return result;
     }
-    result.num_neighbors = std::min(
+    const Index count = std::min(
         options_.num_neighbors > 0 ? options_.num_neighbors : choice.num_neighbors,
         samples_.size() - 1);
-    result.points = project(samples_, search, result.num_neighbors);
+    if (count < options_.dim + 1) {
+      return result;
+    }
+    result.num_neighbors = count;
+    result.remaining_error = std::sqrt(choice.risk);
+    result.drowned = choice.drowning >= 1;
+    // At the best size the error falls with this power of the number of samples.
+    result.growth =
+        std::pow(std::max(1.0, choice.drowning), (8.0 + options_.dim) / 4.0);
+    result.points = project(samples_, search, count);
     result.rounds = 1;
-    if (result.noise > kConfusing * nearest) {
+    const double one_way =
+        std::sqrt(choice.noise / std::max(1, samples_.ambient_dim() - options_.dim));
+    while (result.rounds < kMostRounds && one_way > kConfusing * choice.radius) {
       const Samples moved = Samples::from_points(
           {result.points.data(), samples_.size(), samples_.ambient_dim()}, execution_);
       const NeighborSearch again(moved, options_.search, execution_);
-      result.points = project(moved, again, result.num_neighbors);
-      result.rounds = 2;
+      result.points = project(moved, again, count);
+      ++result.rounds;
     }
     return result;
   }
 
  private:
-  /// The size of neighborhoods that predicts best.
-  Choice choose(const NeighborSearch& search) const {
-    const Index stride = std::max<Index>(1, samples_.size() / kProbes);
-    const Index probes = (samples_.size() + stride - 1) / stride;
-    const double unknowns = detail::QuadraticFit::unknowns(options_.dim);
-    Choice best;
-    for (const double size : kSizes) {
-      const auto count = static_cast<Index>(std::ceil(size * unknowns));
-      if (count > samples_.size() / kLargestShare && best.num_neighbors > 0) {
-        break;
-      }
-      std::vector<double> errors(probes, -1);
-      std::vector<double> deviations(probes, -1);
-      over(samples_, search, probes, [&](Projector& projector, Offset i) {
-        if (projector.fit(static_cast<Index>(i) * stride, count)) {
-          errors[i] = projector.prediction_error();
-          deviations[i] = std::sqrt(projector.variance());
+  Index size_of(int level) const {
+    return static_cast<Index>(
+        std::ceil(kFirstSize * unknowns_ * std::pow(2.0, level / 2.0)));
+  }
+  Index largest() const {
+    return std::min(kLargest,
+                    std::max<Index>(size_of(0), samples_.size() / kLargestShare));
+  }
+
+  /// Evenly spread for any number of them.
+  Index probe(Offset i) const {
+    constexpr double golden = 0.6180339887498949;
+    const double turn = static_cast<double>(i) * golden + 0.5;
+    return static_cast<Index>((turn - std::floor(turn)) * samples_.size());
+  }
+
+  /// Levels first, first + step ... last, the bias from two levels before.
+  std::vector<Level> measure(const NeighborSearch& search, int first, int last,
+                             int step, Index probes) const {
+    const int num_levels = (last - first) / step + 1;
+    const int half = 2 / step;
+    struct At {
+      double scatter, gain, difference, gain_difference, growth, radius, curvature,
+          nearest, tie;
+    };
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    std::vector<At> at(static_cast<std::size_t>(probes) * num_levels,
+                       {nan, nan, nan, nan, nan, nan, nan, nan, 0});
+    over(samples_, search, probes, [&](Fitter& fitter, Offset i) {
+      fitter.load(probe(i), std::min(size_of(last), samples_.size() - 1));
+      std::vector<Eigen::VectorXd> feet(num_levels);
+      std::vector<Eigen::VectorXd> influences(num_levels);
+      for (int k = 0; k < num_levels; ++k) {
+        At& out = at[i * num_levels + k];
+        const auto count =
+            std::min<Eigen::Index>(size_of(first + k * step), fitter.size());
+        if (!fitter.fit(count)) {
+          continue;
         }
-      });
-      for (std::vector<double>* values : {&errors, &deviations}) {
-        values->erase(std::remove_if(values->begin(), values->end(),
-                                     [](double v) { return !(v >= 0); }),
-                      values->end());
+        const LocalQuadric& quadric = fitter.quadric();
+        feet[k] = quadric.foot();
+        influences[k] = quadric.influence();
+        out.scatter = quadric.variance();
+        out.gain = quadric.gain();
+        out.radius = fitter.distance(count - 1);
+        out.nearest = fitter.distance(1);
+        out.tie = count > 2 && fitter.distance(2) <= (1 + kEquallyFar) * out.nearest;
+        out.curvature = quadric.curvature() * quadric.curvature();
+        if (k >= half && feet[k - half].size() > 0) {
+          const Eigen::VectorXd& before = influences[k - half];
+          out.difference = (feet[k] - feet[k - half]).squaredNorm();
+          out.gain_difference = out.gain + before.squaredNorm() -
+                                2 * before.dot(influences[k].head(before.size()));
+          out.growth = std::sqrt(out.scatter / at[i * num_levels + k - half].scatter);
+        }
       }
-      const double error = trimmed_root_mean_square(errors);
-      const double noise = trimmed_root_mean_square(deviations);
-      if (best.num_neighbors > 0 && !(noise < kBiased * error)) {
-        break;
+    });
+    std::vector<Level> levels(num_levels);
+    const double decay = 1 - std::pow(2.0, -4.0 / options_.dim);
+    for (int k = 0; k < num_levels; ++k) {
+      const auto mean = [&](double At::*member) {
+        std::vector<double> values(probes);
+        for (Index i = 0; i < probes; ++i) {
+          values[i] = at[static_cast<std::size_t>(i) * num_levels + k].*member;
+        }
+        return trimmed_mean(std::move(values));
+      };
+      Level& level = levels[k];
+      level.count = size_of(first + k * step);
+      level.scatter = mean(&At::scatter);
+      level.gain = mean(&At::gain);
+      level.radius = mean(&At::radius);
+      level.curvature = std::sqrt(mean(&At::curvature));
+      std::vector<double> nearest;
+      for (Index i = 0; i < probes; ++i) {
+        const At& one = at[static_cast<std::size_t>(i) * num_levels + k];
+        level.ties += one.tie / probes;
+        nearest.push_back(one.nearest >= 0 ? one.nearest : 0);
       }
-      if (error < best.error) {
-        best.error = error;
-        best.num_neighbors = count;
-        best.noise = noise;
-      } else if (!(error < kHopeless * best.error) && !(noise < best.error)) {
+      level.nearest = median(std::move(nearest));
+      std::vector<double> growths;
+      for (Index i = 0; i < probes; ++i) {
+        const At& one = at[static_cast<std::size_t>(i) * num_levels + k];
+        growths.push_back(one.growth > 0 ? one.growth : kEverywhere);
+      }
+      level.growth = median(std::move(growths));
+      if (k >= half) {
+        const double excess =
+            mean(&At::difference) - level.scatter * mean(&At::gain_difference);
+        level.bias = std::max(0.0, excess) / (decay * decay);
+      }
+    }
+    return levels;
+  }
+
+  Choice choose(const NeighborSearch& search) const {
+    Choice choice;
+    const Index size = samples_.size();
+    const Index few = std::min(size, kTestProbes + size / kSamplesPerTestProbe);
+    const std::vector<Level> test =
+        measure(search, kNarrow, kWide, kWide - kNarrow, few);
+    choice.noise = test[0].scatter;
+    choice.risk = test[0].scatter * test[0].gain;
+    choice.gain = test[0].gain;
+    choice.radius = test[0].radius;
+    choice.num_neighbors = test[0].count;
+    const double nearest = test[1].nearest;
+    const bool clean = test[1].ties > kMostTies || !(test[1].growth < kShapeGrowth) ||
+                       !(std::sqrt(test[1].scatter) > kLeastNoise * nearest);
+    if (clean && options_.only_noise) {
+      return choice;
+    }
+    std::vector<Level> levels;
+    for (int first = kNarrow; size_of(first) <= largest() || levels.empty();
+         first += kLevelsAtOnce) {
+      int last = first + kLevelsAtOnce - 1;
+      while (last > first && size_of(last) > largest()) {
+        --last;
+      }
+      const auto looks = static_cast<Index>(kLooks * size / size_of(last));
+      const Index probes =
+          std::min(size, std::clamp(looks, kFewestProbes, kMostProbes));
+      std::vector<Level> more = measure(search, first - 2, last, 1, probes);
+      levels.insert(levels.end(), more.begin() + 2, more.end());
+      const Level& end = levels.back();
+      const auto least = std::min_element(
+          levels.begin(), levels.end(),
+          [](const Level& a, const Level& b) { return a.scatter < b.scatter; });
+      if (end.growth > kHopelessGrowth &&
+          end.scatter > kNoGraph * kNoGraph * least->scatter) {
         break;
       }
     }
-    return best;
+    // Noise is the scatter where it grows least.
+    std::size_t flat = 0;
+    for (std::size_t k = 0; k < levels.size(); ++k) {
+      if (levels[k].growth < levels[flat].growth) {
+        flat = k;
+      }
+    }
+    choice.noise = levels[flat].scatter;
+    double best = kEverywhere;
+    for (const Level& level : levels) {
+      const double risk = level.bias + choice.noise * level.gain;
+      if (risk < best && level.scatter < kNoGraph * kNoGraph * choice.noise) {
+        best = risk;
+        choice.num_neighbors = level.count;
+        choice.gain = level.gain;
+        choice.radius = level.radius;
+        choice.curvature = level.curvature;
+      }
+    }
+    choice.risk = best;
+    if (options_.num_neighbors > 0) {
+      const Level& level = *std::min_element(
+          levels.begin(), levels.end(), [&](const Level& a, const Level& b) {
+            return std::abs(a.count - options_.num_neighbors) <
+                   std::abs(b.count - options_.num_neighbors);
+          });
+      choice.risk = level.bias + choice.noise * level.gain;
+      choice.radius = level.radius;
+      choice.curvature = level.curvature;
+    }
+    choice.noisy = levels[flat].growth < kPlateau &&
+                   levels[flat].count <= choice.num_neighbors &&
+                   choice.num_neighbors >= kLeastNoisySize * unknowns_ &&
+                   choice.risk < kWorthIt * kWorthIt * choice.noise &&
+                   std::sqrt(choice.noise) > kLeastNoise * nearest;
+    const double one_way =
+        std::sqrt(choice.noise / std::max(1, samples_.ambient_dim() - options_.dim));
+    choice.drowning =
+        choice.noisy
+            ? choice.curvature * std::max(std::sqrt(choice.risk) / kDrowningError,
+                                          one_way / kDrowningNoise)
+            : 0;
+    return choice;
   }
 
   template <class Body>
   void over(const Samples& arranged, const NeighborSearch& search, Offset count,
             const Body& body) const {
-    detail::PerThread<Projector> projectors([&] {
-      return Projector(samples_, arranged, search, execution_, options_.dim);
+    detail::PerThread<Fitter> fitters([&] {
+      Fitter fitter(samples_, arranged, search, execution_, options_.dim);
+      fitter.set_factor(&arranged == &samples_ ? 1 : arranged.scale());
+      return fitter;
     });
     detail::for_each_block(count, kBlock, execution_, [&](Offset begin, Offset end) {
-      Projector& projector = projectors.local();
+      Fitter& fitter = fitters.local();
       for (Offset i = begin; i < end; ++i) {
-        body(projector, i);
+        body(fitter, i);
       }
     });
   }
 
+  /// Every sample moved to the mean of the quadrics that it is near the middle of.
   std::vector<double> project(const Samples& arranged, const NeighborSearch& search,
                               Index count) const {
     const auto dim = static_cast<std::size_t>(samples_.ambient_dim());
-    std::vector<double> points(samples_.size() * dim);
+    const Index size = samples_.size();
+    std::vector<double> moves(size * dim, 0.0);
+    std::vector<double> weights(size, 0.0);
     detail::begin_step(execution_, Step::kSmoothing, arranged.size());
-    over(arranged, search, arranged.size(), [&](Projector& projector, Offset i) {
-      const auto a = static_cast<Index>(i);
-      const Index x = &arranged == &samples_ ? a : arranged.input_index(a);
-      if (projector.fit(a, count)) {
-        projector.write_projection(points.data() + x * dim);
-      } else {
-        std::copy_n(samples_.point(x), dim, points.data() + x * dim);
+
+    std::vector<Index> open(arranged.size());
+    std::iota(open.begin(), open.end(), Index{0});
+    Index stride = std::max<Index>(1, count / kOverlap);
+    struct Share {
+      Index sample;
+      double weight;
+    };
+    struct Fit {
+      std::vector<Share> shares;
+      std::vector<double> moves;
+    };
+    for (int pass = 0; pass < kPasses && !open.empty(); ++pass) {
+      if (pass == kPasses - 1) {
+        stride = 1;
       }
-    });
+      std::vector<Index> centers;
+      for (std::size_t i = stride / 2; i < open.size(); i += stride) {
+        centers.push_back(open[i]);
+      }
+      if (centers.empty()) {
+        centers.push_back(open[0]);
+      }
+      const bool own_only = stride == 1;
+      for (std::size_t begin = 0; begin < centers.size(); begin += kBatch) {
+        const std::size_t batch = std::min<std::size_t>(kBatch, centers.size() - begin);
+        std::vector<Fit> fits(batch);
+        over(arranged, search, static_cast<Offset>(batch),
+             [&](Fitter& fitter, Offset i) {
+               fitter.load(centers[begin + i], count);
+               share(fitter, own_only, fits[i].shares, fits[i].moves);
+             });
+        for (const Fit& fit : fits) {
+          for (std::size_t k = 0; k < fit.shares.size(); ++k) {
+            const Share& share = fit.shares[k];
+            weights[share.sample] += share.weight;
+            for (std::size_t axis = 0; axis < dim; ++axis) {
+              moves[share.sample * dim + axis] +=
+                  share.weight * fit.moves[k * dim + axis];
+            }
+          }
+        }
+      }
+      open.erase(std::remove_if(open.begin(), open.end(),
+                                [&](Index a) {
+                                  const Index x = &arranged == &samples_
+                                                      ? a
+                                                      : arranged.input_index(a);
+                                  return weights[x] >= kEnough;
+                                }),
+                 open.end());
+      if (own_only) {
+        break;
+      }
+      stride = std::max<Index>(1, stride / 4);
+    }
+    std::vector<double> points(size * dim);
+    for (Index x = 0; x < size; ++x) {
+      const double* from = samples_.point(x);
+      for (std::size_t axis = 0; axis < dim; ++axis) {
+        points[x * dim + axis] =
+            from[axis] + (weights[x] > 0 ? moves[x * dim + axis] / weights[x] : 0.0);
+      }
+    }
     // Given samples that were moved to the same place stay there.
     if (&arranged != &samples_) {
-      for (Index x = 0; x < samples_.size(); ++x) {
+      for (Index x = 0; x < size; ++x) {
         const Index first = arranged.representatives()[x];
         if (first != x) {
           std::copy_n(points.data() + first * dim, dim, points.data() + x * dim);
@@ -248,25 +516,35 @@ class Smoother {
     return points;
   }
 
-  double median_nearest(const NeighborSearch& search) const {
-    const Index stride = std::max<Index>(1, samples_.size() / kProbes);
-    const auto query = search.query(execution_);
-    std::vector<Neighbor> found;
-    std::vector<double> nearest;
-    for (Index x = 0; x < samples_.size(); x += stride) {
-      query->nearest(x, 1, std::numeric_limits<double>::infinity(), found);
-      if (!found.empty()) {
-        nearest.push_back(std::sqrt(found[0].squared_distance));
+  template <class Shares>
+  void share(Fitter& fitter, bool own_only, Shares& shares,
+             std::vector<double>& moves) const {
+    if (!fitter.fit(fitter.size())) {
+      return;
+    }
+    const LocalQuadric& quadric = fitter.quadric();
+    const auto dim = static_cast<Eigen::Index>(samples_.ambient_dim());
+    const double widest = kOwnSheet * kOwnSheet * quadric.variance();
+    const Eigen::Index size = own_only ? 1 : fitter.size();
+    for (Eigen::Index i = 0; i < size; ++i) {
+      const double ratio = quadric.tangential(i) / kBlend;
+      const bool own = i == 0;
+      if (!own && !(ratio < 1 && quadric.squared_residuals()[i] <= widest)) {
+        continue;
+      }
+      const double rest = std::max(0.0, 1 - ratio * ratio);
+      const double weight = own ? 1.0 : rest * rest * rest;
+      shares.push_back({fitter.members()[i], weight});
+      for (Eigen::Index axis = 0; axis < dim; ++axis) {
+        moves.push_back(-quadric.residuals()(i, axis));
       }
     }
-    const auto middle = nearest.begin() + static_cast<Offset>(nearest.size() / 2);
-    std::nth_element(nearest.begin(), middle, nearest.end());
-    return nearest.empty() ? 0 : *middle;
   }
 
   const Samples& samples_;
   const SmoothingOptions& options_;
   const Execution& execution_;
+  int unknowns_;
 };
 
 }  // namespace

@@ -14,8 +14,7 @@ namespace remanifold::detail {
 namespace {
 
 /// Coordinates from which on the leading directions are iterated for instead of all.
-constexpr Eigen::Index kManyCoordinates = 24;
-constexpr int kIterations = 12;
+constexpr Eigen::Index kIteratedCoordinates = 24;
 /// Directions beyond the K wanted ones that are carried along: what mixes with them does
 /// not matter.
 constexpr Eigen::Index kSpareDirections = 4;
@@ -26,12 +25,12 @@ constexpr double kFarthest = 1.5;
 /// A row that alone determines the quadric there says nothing about itself.
 constexpr double kLeastFreedom = 1e-3;
 
-/// The leading right singular vectors, in columns, the largest last, and the squares of
-/// their singular values.
+}  // namespace
+
 Eigen::MatrixXd leading_directions(const Eigen::MatrixXd& rows, Eigen::Index count,
-                                   Eigen::VectorXd& squares) {
+                                   Eigen::VectorXd& squares, int iterations) {
   const Eigen::Index size = rows.cols();
-  if (size < kManyCoordinates) {
+  if (size < kIteratedCoordinates) {
     const Eigen::MatrixXd products = rows.transpose() * rows;
     const SymmetricEigen eigen(products);
     squares = eigen.eigenvalues().tail(count);
@@ -52,7 +51,7 @@ Eigen::MatrixXd leading_directions(const Eigen::MatrixXd& rows, Eigen::Index cou
     images.col(i) = rows.col(axes[i]);
   }
   Eigen::MatrixXd directions;
-  for (int step = 0; step < kIterations; ++step) {
+  for (int step = 0; step < iterations; ++step) {
     directions = orthonormal_columns(rows.transpose() * images);
     images.noalias() = rows * directions;
   }
@@ -61,8 +60,6 @@ Eigen::MatrixXd leading_directions(const Eigen::MatrixXd& rows, Eigen::Index cou
   squares = eigen.eigenvalues().tail(count);
   return directions * eigen.eigenvectors().rightCols(count);
 }
-
-}  // namespace
 
 bool QuadraticFit::fit(const RowMatrix& vectors, const Eigen::VectorXd& weights) {
   vectors_ = &vectors;

@@ -11,6 +11,11 @@
 
 namespace remanifold::detail {
 
+/// The leading right singular vectors, in columns, the largest last, and the squares of
+/// their singular values. Of many coordinates by so many iterations.
+Eigen::MatrixXd leading_directions(const Eigen::MatrixXd& rows, Eigen::Index count,
+                                   Eigen::VectorXd& squares, int iterations = 12);
+
 class QuadraticFit {
  public:
   explicit QuadraticFit(int dim) : dim_(dim) {}

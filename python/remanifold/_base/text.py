@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import math
+
 
 def one_line(result: object, **values: object) -> str:
     """Text for ``repr``: the class and what matters, without what is None."""
@@ -13,3 +15,8 @@ def one_line(result: object, **values: object) -> str:
 def rounded(value: float) -> float:
     """Four digits of a number, for people."""
     return float(f"{value:.4g}")
+
+def two_digits(number: float) -> int:
+    """Round a number of samples up to two digits: it is a guess."""
+    unit = int(10 ** max(0, math.floor(math.log10(number)) - 1))
+    return math.ceil(number / unit) * unit

@@ -102,7 +102,8 @@ Smooth: TypeAlias = Annotated[
     Any,
     typer.Option(
         parser=_smooth,
-        metavar="[no|auto|yes|NEIGHBORS]",
+        metavar="[auto|no|yes|NEIGHBORS]",
+        show_default="auto, or no for paper",
         help="Move noisy samples onto the manifold first: auto where there is "
         "noise, yes in any case, or by fits to so many neighbors.",
     ),

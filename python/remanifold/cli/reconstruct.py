@@ -79,7 +79,7 @@ def reconstruct(
     boundary: Boundary = "auto",
     hole_radius: HoleRadius = None,
     outliers: Outliers = None,
-    smooth: Smooth = "no",
+    smooth: Smooth = None,
     keep_positions: Annotated[
         bool,
         typer.Option(

@@ -61,7 +61,7 @@ def report(
     boundary: Boundary = "auto",
     hole_radius: HoleRadius = None,
     outliers: Outliers = None,
-    smooth: Smooth = "no",
+    smooth: Smooth = None,
     num_neighbors: NumNeighbors = None,
     estimator: Estimator = None,
     edges: Edges = None,

@@ -12,6 +12,8 @@ import numpy as np
 
 from remanifold import _core
 from remanifold._base.read_only import ReadOnlyArrays
+from remanifold._base.text import two_digits
+from remanifold._base.samples import Points
 from remanifold.judging.singularities import singularities_of
 
 if TYPE_CHECKING:
@@ -28,12 +30,13 @@ COORDINATES = 3  # that a verdict names
 class Reason(NamedTuple):
     """A sign that the sampling does not determine the result, and the samples there.
 
-    Its kind is "sampling", or "singular" where the data is no manifold at all.
+    Its kind is "sampling", "noise" where the samples lie too far off a manifold, or
+    "singular" where the data is no manifold at all.
     """
 
     text: str
     samples: NDArray[np.int64]
-    kind: Literal["sampling", "singular"] = "sampling"
+    kind: Literal["sampling", "noise", "singular"] = "sampling"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -245,6 +248,7 @@ LONG_EDGE = 1.2  # spacings
 MOST_LONG_EDGES = 50  # that are looked at
 CROSSING = 0.5  # distance of a sample from the middle over half the length
 LEAST_GAPS = 30  # samples from which the evenness is judged
+MUCH_LEFT = 0.15  # of the spacing: noise that makes samples propose other simplices
 ENOUGH = 1.0  # spacing over reach that is asked for when recommending
 
 
@@ -291,7 +295,7 @@ class _Sign(NamedTuple):
     text: str
     samples: NDArray[np.int64]
     growth: float = math.nan  # of the number of samples that would remove it
-    kind: Literal["sampling", "singular"] = "sampling"
+    kind: Literal["sampling", "noise", "singular"] = "sampling"
 
 
 def assess(rec: ReconstructionData) -> Quality:
@@ -336,6 +340,7 @@ def assess(rec: ReconstructionData) -> Quality:
         signs = [*_singularities(rec, source), *signs]
     if not any(sign.strong for sign in signs) and len(signs) < 2:
         signs = []
+    signs = [*_noise_signs(rec, findings, bool(signs)), *signs]
     reasons = tuple(Reason(sign.text, sign.samples, sign.kind) for sign in signs)
     doubtful = np.zeros(rec.num_samples, dtype=bool)
     for reason in reasons:
@@ -466,6 +471,54 @@ def _singularities(rec: ReconstructionData, samples: Input) -> Iterator[_Sign]:
 
 
 _NOWHERE = np.empty(0, dtype=np.int64)
+
+
+def _noise_signs(
+    rec: ReconstructionData, found: _Findings, doubted: bool
+) -> Iterator[_Sign]:
+    """Noise that drowns the shape, or that explains what is doubted."""
+    smoothing, moved = rec.smoothing, rec.smoothing is not None and rec.smoothing.moved
+    if moved and smoothing is not None:
+        noise, rest = smoothing.noise, smoothing.remaining_error
+        if smoothing.drowned:
+            yield _Sign(
+                True,
+                f"noise drowns the shape: the samples lie {noise:.3g} off any manifold, "
+                f"smoothed about {rest:.3g}; about {smoothing.enough_samples:,} samples "
+                "would do",
+                _NOWHERE,
+                kind="noise",
+            )
+        elif doubted and (
+            len(rec.attached) > 0
+            or rest > MUCH_LEFT * found.quantile(found.spacing, 0.5)
+        ):
+            yield _Sign(
+                True,
+                f"noise: the samples lie {noise:.3g} off the manifold, smoothed about "
+                f"{rest:.3g}, which is much for their spacing; four times as many would "
+                "halve it",
+                _NOWHERE,
+                kind="noise",
+            )
+    elif doubted and smoothing is None and isinstance(found.samples, Points):
+        options = _core.Options(dim=rec.dim, smooth=True, only_noise=True)
+        kept = np.ones(rec.num_samples, dtype=bool)
+        kept[rec.outliers] = False
+        report = _core.clean(
+            found.samples.subset(kept), options, num_threads=0, progress=None
+        )
+        noise = report["noise"]
+        if report["num_neighbors"] > 0 and noise > MUCH_LEFT * found.quantile(
+            found.spacing, 0.5
+        ):
+            yield _Sign(
+                True,
+                f'noise: the samples lie {noise:.3g} off the manifold; smooth="auto" '
+                f"would leave about {report['remaining_error']:.3g}",
+                _NOWHERE,
+                kind="noise",
+            )
 
 
 def _too_few(found: _Findings) -> Iterator[_Sign]:
@@ -728,9 +781,7 @@ def _recommended(found: _Findings, signs: list[_Sign]) -> int | None:
     growths = [sign.growth for sign in signs if sign.growth > 1]
     if not growths:
         return None
-    number = found.num_samples * max(growths) ** found.dim
-    unit = int(10 ** max(0, math.floor(math.log10(number)) - 1))
-    return math.ceil(number / unit) * unit
+    return two_digits(found.num_samples * max(growths) ** found.dim)
 
 
 def _verdict(
@@ -746,7 +797,7 @@ def _verdict(
             f"sampling is dense enough: the spacing is at most {ratio:.2g} times the "
             f"reach at 95 % of {of}"
         )
-    if reasons[0].kind == "singular":
+    if reasons[0].kind in ("singular", "noise"):
         return reasons[0].text
     marked = np.unique(np.concatenate([reason.samples for reason in reasons]))
     parts = [reasons[0].text]

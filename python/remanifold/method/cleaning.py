@@ -13,7 +13,7 @@ from remanifold._base.progress import progress_callback
 from remanifold._base.read_only import ReadOnlyArrays
 from remanifold._base.samples import Input, Points
 from remanifold._base.scaling import classical_scaling
-from remanifold._base.text import one_line, rounded
+from remanifold._base.text import one_line, rounded, two_digits
 from remanifold._base.validation import (
     check_choice,
     check_dim,
@@ -50,7 +50,19 @@ class Smoothing(ReadOnlyArrays):
     num_neighbors : int
         Neighbors each fit was made to; 0 where nothing was moved.
     rounds : int
-        2 where neighbors were looked for again among the smoothed samples.
+        More than one where neighbors were looked for again among the smoothed samples.
+    remaining_error : float
+        Root of the mean squared normal distance from the manifold that is expected to
+        remain: noise that neighborhoods of this size leave, and bias.
+    resolution : float
+        With `reconstruct`: smoothed samples nearer to each other than this, twice
+        `remaining_error`, carry no more shape, and one of them is a vertex. 0 where all
+        are.
+    drowned : bool
+        The noise is as large as the shape: no neighborhood is wide enough to average it
+        out and narrow enough to be the graph of a quadric.
+    enough_samples : int or None
+        About how many samples would do, where it has drowned.
     """
 
     points: NDArray[np.float64] | None
@@ -58,6 +70,10 @@ class Smoothing(ReadOnlyArrays):
     prediction_error: float
     num_neighbors: int
     rounds: int
+    remaining_error: float = float("nan")
+    resolution: float = 0.0
+    drowned: bool = False
+    enough_samples: int | None = None
 
     def __repr__(self) -> str:
         return one_line(
@@ -68,6 +84,8 @@ class Smoothing(ReadOnlyArrays):
             prediction_error=rounded(self.prediction_error),
             num_neighbors=self.num_neighbors,
             rounds=self.rounds,
+            resolution=rounded(self.resolution) if self.resolution else None,
+            drowned=True if self.drowned else None,
         )
 
     @property
@@ -234,6 +252,12 @@ def smoothing_of(given: Input, report: dict[str, Any], known: bool = True) -> Sm
         prediction_error=report["prediction_error"],
         num_neighbors=report["num_neighbors"],
         rounds=report["rounds"],
+        remaining_error=report["remaining_error"],
+        resolution=report["resolution"],
+        drowned=report["drowned"],
+        enough_samples=(
+            two_digits(len(given) * report["growth"]) if report["drowned"] else None
+        ),
     )
 
 

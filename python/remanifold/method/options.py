@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
 import numpy as np
 
 from remanifold import _core
+from remanifold._base.samples import Points
 from remanifold._base.validation import (
     check_boundary,
     check_choice,
@@ -21,6 +22,8 @@ from remanifold._base.validation import (
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
+
+    from remanifold._base.samples import Input
 
 Method: TypeAlias = Literal["manifold", "paper"]
 Estimator: TypeAlias = Literal["enclosure", "pca", "jet"]
@@ -50,7 +53,7 @@ class Options:
     boundary: Literal["auto", False] | ArrayLike = "auto"
     hole_radius: float | None = None
     outliers: Literal["auto", False] | float | None = None
-    smooth: Literal["auto"] | bool | int = False
+    smooth: Literal["auto"] | bool | int | None = None
     num_neighbors: int | None = None
     estimator: Estimator | None = None
     edges: EdgeRule | None = None
@@ -102,10 +105,14 @@ class Options:
             return self.outliers
         return False if self.is_paper else "auto"
 
-    @property
-    def smooths(self) -> bool:
-        """Whether samples may be moved."""
-        return check_smooth(self.smooth)[0]
+    def smoothing_of(self, samples: Input) -> Literal["auto"] | bool | int:
+        """`smooth`, given or not: by default nothing is moved that has no coordinates.
+
+        Finding some (`classical_scaling`) costs more than the reconstruction.
+        """
+        if self.smooth is not None:
+            return self.smooth
+        return "auto" if isinstance(samples, Points) and not self.is_paper else False
 
     def neighbors(self, dim: int) -> int:
         """Neighbors for the tangent spaces of a K-manifold."""
@@ -130,10 +137,10 @@ class Options:
             return self
         return replace(self, boundary=mask[rows])
 
-    def for_core(self, num_samples: int, dim: int) -> _core.Options:
+    def for_core(self, samples: Input, dim: int) -> _core.Options:
         """All of it in the words of the core."""
-        rule, mask = self.boundary_rule(num_samples)
-        smooth, neighbors, only_noise = check_smooth(self.smooth, dim)
+        rule, mask = self.boundary_rule(len(samples))
+        smooth, neighbors, only_noise = check_smooth(self.smoothing_of(samples), dim)
         return _core.Options(
             dim=dim,
             num_neighbors=self.neighbors(dim),

@@ -61,7 +61,8 @@ class Repair(ReadOnlyArrays):
         Manifold method: vertices whose link is neither a sphere nor a ball, by the same
         test as `Topology.singular_vertices` up to K = 3.
     unused_vertices : ndarray of int32
-        Samples in no simplex but for merged copies and `Reconstruction.outliers`. With
+        Samples in no simplex but for merged copies, `Reconstruction.outliers` and
+        `Reconstruction.attached`. With
         the manifold method they are too far from all simplices around their neighbors.
     merged_samples : int
         Samples that coincide with one of lower index and were merged with it.
@@ -137,6 +138,7 @@ class ReconstructionData(ComplexData):
     boundary: NDArray[np.bool_]
     representatives: NDArray[np.int32]
     outliers: NDArray[np.int32]
+    attached: NDArray[np.int32]
     smoothing: Smoothing | None
     method: str
     estimator: str
@@ -169,6 +171,23 @@ class ReconstructionData(ComplexData):
     def left_out(self) -> NDArray[np.int32]:
         """Outliers, and samples that are no points."""
         return np.concatenate([self.outliers, self.invalid])
+
+    @functools.cached_property
+    def left_out(self) -> NDArray[np.int32]:
+        """`outliers` and `attached`: samples that no simplex is meant to have."""
+        left_out = np.union1d(self.outliers, self.attached).astype(np.int32)
+        left_out.flags.writeable = False
+        return left_out
+
+    @property
+    def residuals(self) -> NDArray[np.float64] | None:
+        """How far each sample is from its place in `vertices`, (N,).
+
+        Zero where nothing was moved; None where only products are known.
+        """
+        if self.samples is None or self.vertices is None:
+            return None
+        return np.asarray(np.linalg.norm(self.samples - self.vertices, axis=1))
 
     @functools.cached_property
     def tangents(self) -> NDArray[np.float64] | None:

@@ -153,7 +153,7 @@ def histograms(rec: JudgedReconstruction) -> str:
     """Draw how samples and simplices are spread."""
     quality = rec.quality
     own = rec.representatives == np.arange(rec.num_samples)
-    own[rec.outliers] = False
+    own[rec.left_out] = False
     charts = [
         histogram("spacing of the samples", quality.spacing[own]),
         histogram("sampling ratio: spacing over reach", quality.sampling_ratio[own]),
@@ -206,6 +206,10 @@ def _noise(rec: JudgedReconstruction) -> Iterator[tuple[str, object]]:
     if smoothing.moved:
         yield "smoothed by", f"fits to {smoothing.num_neighbors:,} neighbors"
         yield "rounds", smoothing.rounds
+        yield "expected to remain", number(smoothing.remaining_error)
+        if len(rec.attached):
+            yield "resolution", number(smoothing.resolution)
+            yield "samples attached", f"{len(rec.attached):,}"
     else:
         yield "smoothing", "no sample was moved"
 

@@ -17,6 +17,8 @@ from remanifold._base.validation import (
     check_num_threads,
     check_samples,
 )
+from remanifold.complex.data import ComplexData
+from remanifold.complex.projection import project
 from remanifold.formats.writing import check_fields
 from remanifold.method.cleaning import as_points, smoothing_of
 from remanifold.method.dimension import find_dimension
@@ -46,7 +48,7 @@ def reconstruct(
     boundary: Literal["auto", False] | ArrayLike = "auto",
     hole_radius: float | None = None,
     outliers: Literal["auto", False] | float | None = None,
-    smooth: Literal["auto"] | bool | int = False,
+    smooth: Literal["auto"] | bool | int | None = None,
     gram: ArrayLike | None = None,
     distances: ArrayLike | None = None,
     attributes: Mapping[str, ArrayLike] | None = None,
@@ -83,9 +85,10 @@ def reconstruct(
     outliers : "auto", False or float, optional
         Distance from the manifold of the others at which a sample is left out, in local
         scales; "auto", by default with the manifold method, is 2. See `find_outliers`.
-    smooth : False, "auto", True or int
-        Move the samples onto the manifold before: not at all, where they are noisy, in
-        any case, or by fits to so many neighbors. See `remanifold.smooth`.
+    smooth : "auto", False, True or int, optional
+        Move the samples onto the manifold before: where they are noisy, not at all, in
+        any case, or by fits to so many neighbors. See `remanifold.smooth`. By default
+        "auto" with the manifold method where `points` are given, and else False.
     gram, distances : array_like, shape (N, N), optional
         Inner products or distances of the samples, instead of `points`. `gram` must be
         positive semidefinite, and Hermitian if complex.
@@ -179,9 +182,10 @@ def reconstruct_samples(
 ) -> Reconstruction:
     """The same for samples that were checked, or those with some numbers of so many."""
     k = check_dim(dim, samples)
-    given = as_points(samples) if options.smooths else samples
+    smooths = options.smoothing_of(samples) is not False
+    given = as_points(samples) if smooths else samples
     total = len(samples) if count is None else count
-    choices = options.of_rows(rows, total).for_core(len(samples), k)
+    choices = options.of_rows(rows, total).for_core(samples, k)
     result: dict[str, Any]
     with progress_callback(progress) as callback:
         if options.is_paper:
@@ -205,11 +209,25 @@ def reconstruct_samples(
         given = samples
         invalid = np.setdiff1d(np.arange(total), rows).astype(np.int32)
     smoothing = None
-    if options.smooths:
+    if smooths:
         smoothing = smoothing_of(given, result["cleaning"], known)
     vertices = None
     if known:
         vertices = samples.matrix.view() if smoothing is None else smoothing.points
+    attached = result["cleaning"]["attached"]
+    if vertices is not None and len(attached) and len(result["simplices"]):
+        at_resolution = ComplexData(vertices, result["simplices"])
+        vertices = vertices.copy()
+        vertices[attached] = project(
+            at_resolution, vertices[attached], num_threads=threads or None
+        ).points
+    if smoothing is not None and smoothing.drowned:
+        warnings.warn(
+            f"noise drowns the shape: the samples lie {smoothing.noise:.3g} off any "
+            f"manifold; about {smoothing.enough_samples:,} samples would do",
+            ManifoldWarning,
+            stacklevel=3,
+        )
     report = {}
     paper: dict[str, Any] = {}
     if options.is_paper:
@@ -241,6 +259,7 @@ def reconstruct_samples(
         representatives=result["representatives"],
         outliers=result["cleaning"]["outliers"],
         invalid=invalid,
+        attached=attached,
         smoothing=smoothing,
         method=options.method,
         estimator=options.tangent_estimator,

@@ -31,8 +31,9 @@ class Reconstruction(JudgedReconstruction, SimplicialComplex):
     Attributes
     ----------
     vertices : ndarray, shape (N, D), float64, or None
-        Where the samples stand in the complex: `samples`, or `smoothing.points`; NaN for
-        those of `invalid`.
+        Where the samples stand in the complex: `samples`, or `smoothing.points`, of
+        which those `attached` are at the nearest point of the complex; NaN for those of
+        `invalid`.
     samples : ndarray, shape (N, D), float64, or None
         The samples, a view of the given array where that was C-contiguous float64 and no
         sample is `invalid`; None where only `gram` or `distances` were given. They are as good vertices as
@@ -53,6 +54,9 @@ class Reconstruction(JudgedReconstruction, SimplicialComplex):
         Samples that are no points and were left out by ``invalid="drop"``, ascending.
     vertex_attributes : dict of str to ndarray
         What ``attributes=`` gave, a row for each sample.
+    attached : ndarray of int32
+        Smoothed samples that are in no simplex, ascending: nearer to others than
+        `Smoothing.resolution`, they would show what is left of the noise.
     smoothing : Smoothing or None
         How noisy the samples were and what was done about it; None with
         ``smooth=False``.
