@@ -12,6 +12,7 @@
 #include <Eigen/LU>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace remanifold {
@@ -116,6 +117,11 @@ Reconstruction reconstruct(const Samples& given, const ReconstructOptions& optio
   for (std::vector<Index>* vertices :
        {&report.singular, &report.inserted, &report.outliers}) {
     *vertices = to_input(samples, std::move(*vertices));
+  }
+  for (Opening& opening : report.openings) {
+    opening.samples = to_input(samples, std::move(opening.samples));
+    opening.volume *= std::pow(samples.scale(), dim);
+    opening.spacing *= samples.scale();
   }
   result.report = std::move(report);
   result.boundary.assign(samples.input_size(), 0);

@@ -34,6 +34,11 @@ constexpr double kSharpFold = -0.5;
 /// Neighbors joined by edges for the widest choice of candidates where there is no
 /// ambient Delaunay triangulation.
 constexpr int kNeighborsPerDim = 4;
+/// Openings of which more are to be expected by chance are not worth a mention.
+constexpr double kMostExpected = 1;
+/// hole_radius at what was opened by evidence: what is wider than gaps of even samples
+/// stays open.
+constexpr double kOpenedRadius = 1.0;
 /// More cliques than this for each sample around what is open are too many to choose from.
 constexpr std::size_t kCliquesPerSample = 500;
 
@@ -60,6 +65,8 @@ class ManifoldBuilder {
         std::find(marked.begin(), marked.end(), 1) == marked.end()) {
       options_.boundary = BoundaryRule::kNone;
     }
+    by_evidence_ =
+        options_.hole_radius == 0 && options_.boundary == BoundaryRule::kAuto;
     if (options_.hole_radius == 0) {
       const double even = evenness(samples, neighborhoods, scales_, dim_, execution);
       options_.hole_radius =
@@ -304,7 +311,12 @@ class ManifoldBuilder {
   double price_of(const Index* facet) {
     const double size = ruler_.facet_size(facet, dim_);
     if (options_.boundary == BoundaryRule::kAuto) {
-      return size * open_price(dim_, options_.hole_radius);
+      const bool opened =
+          !opened_.empty() &&
+          std::all_of(facet, facet + dim_, [&](Index v) { return opened_[v] != 0; });
+      return size * open_price(dim_, opened
+                                         ? std::min(kOpenedRadius, options_.hole_radius)
+                                         : options_.hole_radius);
     }
     const bool allowed = options_.boundary == BoundaryRule::kGiven &&
                          std::all_of(facet, facet + dim_, [&](Index v) {
@@ -356,6 +368,9 @@ class ManifoldBuilder {
       repair_curves(samples_, neighborhoods_, scales_, price_, options_.smallest_loop,
                     result_.simplices, execution_);
     }
+    if (by_evidence_) {
+      open_by_evidence();
+    }
     repair_links(samples_, scales_, unsettled_, price_, result_.simplices, execution_);
     Insertion insertion =
         insert_vertices(samples_, neighborhoods_, scales_, options_.outlier_distance,
@@ -388,6 +403,59 @@ class ManifoldBuilder {
       }
     }
     orient_result();
+  }
+
+  /// Takes out what bridges openings that chance does not explain.
+  void open_by_evidence() {
+    FoundOpenings found =
+        find_openings(samples_, neighborhoods_, scales_, result_.simplices,
+                      {options_.significance, kMostExpected}, execution_);
+    result_.report.openings = std::move(found.openings);
+    if (found.bridges.empty()) {
+      return;
+    }
+    opened_.assign(samples_.size(), 0);
+    std::vector<std::uint8_t> marked(result_.simplices.size(), 0);
+    for (const Offset s : found.bridges) {
+      marked[s] = 1;
+      for (int i = 0; i < arity_; ++i) {
+        opened_[result_.simplices[s][i]] = 1;
+        unsettled_[result_.simplices[s][i]] = 1;
+      }
+    }
+    pool_ = detail::select_rows(result_.simplices, found.bridges);
+    detail::erase_rows(result_.simplices, marked);
+    split_ = true;
+    if (dim_ > 1) {
+      fill_opened();
+    }
+  }
+
+  /// Between the opened samples only what is small is filled again: what else ties samples
+  /// together that the bridge did.
+  void fill_opened() {
+    for (const SimplexArray* simplices : {&disputed_, &large_}) {
+      for (const Offset s :
+           detail::rows_near(*simplices, opened_, arity_, execution_)) {
+        detail::append_row(pool_, (*simplices)[s]);
+      }
+    }
+    const std::vector<Offset> numbers =
+        detail::rows_near(result_.simplices, opened_, dim_, execution_);
+    Cavities cavities =
+        find_cavities(detail::select_rows(result_.simplices, numbers), opened_, pool_,
+                      ruler_, price_, false, execution_);
+    for (FacetNumber& rim : cavities.rims) {
+      if (rim != kOpen) {
+        rim = numbers[rim / arity_] * arity_ + rim % arity_;
+      }
+    }
+    const ChainFill chain = fill_cavities(cavities, result_.simplices, samples_.size(),
+                                          options_.chain, solver_, execution_);
+    for (const Index c : chain.chosen) {
+      detail::append_row(result_.simplices, cavities.candidates[c]);
+    }
+    result_.simplices = detail::sorted_unique(result_.simplices, execution_);
   }
 
   /// Repairs reach beyond the samples that were unsettled.
@@ -457,6 +525,7 @@ class ManifoldBuilder {
   int arity_;
   std::vector<double> scales_;
   SimplexRuler ruler_;
+  bool by_evidence_ = false;
   FacetPrice price_;  // of leaving a facet open
 
   OrientedPatches patches_;  // of the agreed simplices
@@ -467,6 +536,7 @@ class ManifoldBuilder {
   SimplexArray pool_;        // candidates
   Offset num_agreed_ = 0;
   std::vector<std::uint8_t> unsettled_;  // samples at which facets may be open
+  std::vector<std::uint8_t> opened_;     // samples at openings by evidence; or empty
   std::vector<Index> open_region_;       // samples around what stayed open, ascending
   ManifoldComplex result_;
 };

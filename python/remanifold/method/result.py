@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from remanifold.method.cleaning import Smoothing
+    from remanifold.method.openings import Opening
     from remanifold.method.steps import EdgeSets, Stars
 
 
@@ -138,6 +139,7 @@ class ReconstructionData(ComplexData):
     representatives: NDArray[np.int32]
     outliers: NDArray[np.int32]
     smoothing: Smoothing | None
+    openings: tuple[Opening, ...] = ()
     method: str
     estimator: str
     search: str

@@ -17,6 +17,7 @@ from remanifold.method.dimension import find_dimension
 from remanifold.method.options import CHECKS, Options
 from remanifold.method.programs import solve_program
 from remanifold.method.steps import EdgeSets, Stars, warn_of_recall
+from remanifold.method.openings import openings_of
 from remanifold.results.reconstruction import Reconstruction
 from remanifold.warnings import ManifoldWarning
 
@@ -37,6 +38,7 @@ def reconstruct(
     method: Method = "manifold",
     boundary: Literal["auto", False] | ArrayLike = "auto",
     hole_radius: float | None = None,
+    significance: float | None = None,
     outliers: Literal["auto", False] | float | None = None,
     smooth: Literal["auto"] | bool | int = False,
     gram: ArrayLike | None = None,
@@ -124,6 +126,7 @@ def reconstruct(
         method=method,
         boundary=boundary,
         hole_radius=hole_radius,
+        significance=significance,
         outliers=outliers,
         smooth=smooth,
         num_neighbors=num_neighbors,
@@ -211,6 +214,7 @@ def reconstruct_samples(
         num_neighbors=options.neighbors(k),
         recall=result["recall"],
         timings=result["timings"],
+        openings=openings_of(result.get("openings", []), k, options.chance),
         _report=report,
         _frames=frames,
         _products=None if known else samples,
