@@ -6,6 +6,7 @@
 #include "base/signed_sets.hpp"
 #include "base/sort_unique.hpp"
 #include "chain/candidates.hpp"
+#include "chain/opening_finder.hpp"
 #include "complex/simplex_rows.hpp"
 #include "remanifold/cavities.hpp"
 #include "remanifold/curve_repair.hpp"
@@ -19,6 +20,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 namespace remanifold {
@@ -38,7 +40,9 @@ constexpr int kNeighborsPerDim = 4;
 constexpr double kMostExpected = 1;
 /// hole_radius at what was opened by evidence: what is wider than gaps of even samples
 /// stays open.
-constexpr double kOpenedRadius = 1.0;
+constexpr double kOpenedRadius = 1.4;
+/// What is opened shows more around it; rounds of that.
+constexpr int kOpeningRounds = 3;
 /// More cliques than this for each sample around what is open are too many to choose from.
 constexpr std::size_t kCliquesPerSample = 500;
 
@@ -368,15 +372,13 @@ class ManifoldBuilder {
       repair_curves(samples_, neighborhoods_, scales_, price_, options_.smallest_loop,
                     result_.simplices, execution_);
     }
-    if (by_evidence_) {
-      open_by_evidence();
+    mend();
+    for (int round = 0; by_evidence_ && round < kOpeningRounds; ++round) {
+      if (!open_by_evidence()) {
+        break;
+      }
+      mend();
     }
-    repair_links(samples_, scales_, unsettled_, price_, result_.simplices, execution_);
-    Insertion insertion =
-        insert_vertices(samples_, neighborhoods_, scales_, options_.outlier_distance,
-                        result_.simplices, execution_);
-    report.inserted = std::move(insertion.inserted);
-    report.outliers = std::move(insertion.outliers);
     unsettle_changed();
     list_filled();
     // Around what was inserted, links have changed as well.
@@ -405,16 +407,30 @@ class ManifoldBuilder {
     orient_result();
   }
 
+  /// Links, and samples that were left out.
+  void mend() {
+    ManifoldReport& report = result_.report;
+    repair_links(samples_, scales_, unsettled_, price_, result_.simplices, execution_);
+    Insertion insertion =
+        insert_vertices(samples_, neighborhoods_, scales_, options_.outlier_distance,
+                        result_.simplices, execution_);
+    report.inserted.insert(report.inserted.end(), insertion.inserted.begin(),
+                           insertion.inserted.end());
+    detail::sort_unique(report.inserted);
+    report.outliers = std::move(insertion.outliers);
+  }
+
   /// Takes out what bridges openings that chance does not explain.
-  void open_by_evidence() {
-    FoundOpenings found =
-        find_openings(samples_, neighborhoods_, scales_, result_.simplices,
-                      {options_.significance, kMostExpected}, execution_);
-    result_.report.openings = std::move(found.openings);
+  /// \returns whether there are any
+  bool open_by_evidence() {
+    detail::WeighedOpenings found =
+        detail::weigh_openings(samples_, neighborhoods_, scales_, result_.simplices,
+                               {options_.significance, kMostExpected}, execution_);
+    list_openings(std::move(found.openings));
     if (found.bridges.empty()) {
-      return;
+      return false;
     }
-    opened_.assign(samples_.size(), 0);
+    opened_.resize(samples_.size(), 0);
     std::vector<std::uint8_t> marked(result_.simplices.size(), 0);
     for (const Offset s : found.bridges) {
       marked[s] = 1;
@@ -429,6 +445,17 @@ class ManifoldBuilder {
     if (dim_ > 1) {
       fill_opened();
     }
+    return true;
+  }
+
+  /// What was opened in earlier rounds, and all of this one.
+  void list_openings(std::vector<Opening> found) {
+    std::vector<Opening>& openings = result_.report.openings;
+    openings.erase(std::remove_if(openings.begin(), openings.end(),
+                                  [](const Opening& opening) { return !opening.open; }),
+                   openings.end());
+    openings.insert(openings.end(), std::make_move_iterator(found.begin()),
+                    std::make_move_iterator(found.end()));
   }
 
   /// Between the opened samples only what is small is filled again: what else ties samples

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "remanifold/openings.hpp"
-
 #include "base/csr.hpp"
 #include "base/disjoint_sets.hpp"
 #include "base/parallel.hpp"
 #include "base/sort_unique.hpp"
+#include "chain/opening_finder.hpp"
 #include "complex/simplex_rows.hpp"
 #include "remanifold/constants.hpp"
 #include "remanifold/facets.hpp"
@@ -18,6 +17,9 @@
 
 namespace remanifold {
 namespace {
+
+using detail::OpeningLevels;
+using detail::WeighedOpenings;
 
 constexpr Offset kBlock = 1024;
 
@@ -53,19 +55,18 @@ constexpr double kLeastRing = 8;
 constexpr double kLeastDispersion = 0.2;
 /// Next to a bridge those go as well whose radius is this share of a large one: where both
 /// rims come near each other they would go on bridging it.
-constexpr double kNextToBridge = 0.8;
+constexpr double kNextToBridge = 0.9;
 /// The local scale is up to 2^(1/K) times too large at a rim, where half of the
 /// neighborhood is missing; this quartile of it among the neighbors is not.
 constexpr double kInside = 0.25;
 constexpr int kInsideNeighbors = 3;  // times those that the scale spans
 
 /// K = 1: edges this many times longer than those next to them join two ends, which have
-/// to continue each other: to turn by no more than the angle with this cosine, 120
-/// degrees, from where a few samples before the edge come from to where they go behind it.
+/// to continue each other: so many steps before the edge and behind it may turn by 120
+/// degrees against each other, besides what they turn on their way.
 constexpr double kJoint = 2.5;
-constexpr double kLeastCosine = -0.5;
+constexpr double kMostTurn = 2.0944;
 constexpr int kJointSteps = 6;
-constexpr int kLeastJointSteps = 3;
 /// Where the steps lead less far than this share of their length there is no direction.
 constexpr double kStraight = 0.5;
 
@@ -73,25 +74,25 @@ class OpeningFinder {
  public:
   OpeningFinder(const Samples& samples, const Neighborhoods& neighborhoods,
                 const std::vector<double>& scales, const SimplexArray& simplices,
-                const OpeningOptions& options, const Execution& execution)
+                const OpeningLevels& levels, const Execution& execution)
       : samples_(samples),
         neighborhoods_(neighborhoods),
         simplices_(simplices),
-        options_(options),
+        levels_(levels),
         execution_(execution),
         ruler_(samples, scales),
         arity_(simplices.arity),
         dim_(simplices.arity - 1),
         chance_(kChances[dim_ - 1]) {}
 
-  FoundOpenings run() {
+  WeighedOpenings run() {
     find_large();
     find_clusters();
     for (std::vector<Offset>& cluster : clusters_) {
       execution_.poll();
       weigh(cluster);
     }
-    if (dim_ == 1) {
+    if (dim_ == 1 && levels_.significance > 0) {
       find_joints();
     }
     std::sort(found_.openings.begin(), found_.openings.end(),
@@ -182,7 +183,7 @@ class OpeningFinder {
                                    [&](const std::vector<Offset>& cluster) {
                                      return expected(most_weight(cluster, near) /
                                                      kLeastDispersion) >
-                                            options_.most_expected;
+                                            levels_.most_expected;
                                    }),
                     clusters_.end());
   }
@@ -283,10 +284,13 @@ class OpeningFinder {
       squares += volume * volume;
     }
     const auto count = static_cast<double>(ring.size());
-    const double mean = sum / count;
-    if (!(mean > 0)) {
+    if (!(sum > 0)) {
       return;
     }
+    const double variation = std::max(0.0, squares * count / (sum * sum) - 1);
+    // Where the density changes, by that of the sparser side: the mean by volume.
+    const double mean =
+        sum / count * std::max(1.0, (1 + variation) / (1 + chance_.variation));
     Opening opening;
     opening.kind = dim_ == 1 ? OpeningKind::kGap : OpeningKind::kHole;
     opening.num_simplices = static_cast<Offset>(cluster.size());
@@ -296,7 +300,6 @@ class OpeningFinder {
                              simplices_[s] + arity_);
     }
     detail::sort_unique(opening.samples);
-    const double variation = std::max(0.0, squares / (count * mean * mean) - 1);
     opening.dispersion = std::max(kLeastDispersion, variation / chance_.variation);
     opening.spacing = std::pow(mean * chance_.simplices_per_sample, 1.0 / dim_);
     const auto size = static_cast<double>(cluster.size());
@@ -306,10 +309,10 @@ class OpeningFinder {
     // The density around is known from so many samples only.
     opening.expected = expected(around * std::log1p(std::max(0.0, weight) / around) /
                                 opening.dispersion);
-    if (opening.expected > options_.most_expected) {
+    if (opening.expected > levels_.most_expected) {
       return;
     }
-    opening.open = opening.significance() <= options_.significance;
+    opening.open = opening.significance() <= levels_.significance;
     if (opening.open) {
       add_bridge(cluster);
     }
@@ -342,14 +345,23 @@ class OpeningFinder {
     found_.bridges.insert(found_.bridges.end(), bridge.begin(), bridge.end());
   }
 
+  int shared(const Index* a, const Index* b) const {
+    int count = 0;
+    for (int i = 0; i < arity_; ++i) {
+      count += std::find(b, b + arity_, a[i]) != b + arity_ ? 1 : 0;
+    }
+    return count;
+  }
+
   /// The way along a curve from an end, away from the other end of its edge.
   struct Way {
     Index last = -1;
+    Index middle = -1;
     int steps = 0;
     double length = 0;
   };
   Way way_from(Index v, Index before) const {
-    Way way{v, 0, 0};
+    Way way{v, v, 0, 0};
     while (way.steps < kJointSteps) {
       Index after = -1;
       for (const Index* s = stars_.begin(way.last); s != stars_.end(way.last); ++s) {
@@ -364,6 +376,7 @@ class OpeningFinder {
       before = way.last;
       way.last = after;
       ++way.steps;
+      way.middle = way.steps == kJointSteps / 2 ? after : way.middle;
     }
     return way;
   }
@@ -383,20 +396,18 @@ class OpeningFinder {
       }
       const Way from = way_from(a, b);
       const Way to = way_from(b, a);
-      if (from.steps < kLeastJointSteps || to.steps < kLeastJointSteps) {
+      if (from.steps < kJointSteps || to.steps < kJointSteps) {
         continue;
       }
       const double mean = (from.length + to.length) / (from.steps + to.steps);
-      const double came = std::sqrt(samples_.squared_distance(from.last, a));
-      const double goes = std::sqrt(samples_.squared_distance(b, to.last));
-      if (length <= kJoint * mean || came < kStraight * from.length ||
-          goes < kStraight * to.length) {
+      if (length <= kJoint * mean || !is_straight(a, from) || !is_straight(b, to)) {
         continue;
       }
-      // <a - u, w - b> by products with a as the origin.
-      const double product = samples_.inner_product(a, from.last, b) -
-                             samples_.inner_product(a, from.last, to.last);
-      if (product >= kLeastCosine * came * goes) {
+      // What both sides turn by themselves they go on turning.
+      const double turn = angle(from.last, a, b, to.last);
+      const double own = angle(from.last, from.middle, from.middle, a) +
+                         angle(b, to.middle, to.middle, to.last);
+      if (turn <= kMostTurn + own) {
         continue;
       }
       Opening joint;
@@ -411,6 +422,19 @@ class OpeningFinder {
       found_.openings.push_back(std::move(joint));
       found_.bridges.push_back(e);
     }
+  }
+
+  bool is_straight(Index end, const Way& way) const {
+    return std::sqrt(samples_.squared_distance(end, way.last)) > kStraight * way.length;
+  }
+
+  /// Between the vectors from a to b and from c to d.
+  double angle(Index a, Index b, Index c, Index d) const {
+    const double product =
+        samples_.inner_product(a, b, d) - samples_.inner_product(a, b, c);
+    const double lengths = std::sqrt(samples_.squared_distance(a, b)) *
+                           std::sqrt(samples_.squared_distance(c, d));
+    return lengths > 0 ? std::acos(std::clamp(product / lengths, -1.0, 1.0)) : 0;
   }
 
   /// Of the edges at a and b, but for the one between them.
@@ -428,21 +452,13 @@ class OpeningFinder {
     return std::sqrt(shortest);
   }
 
-  int shared(const Index* a, const Index* b) const {
-    int count = 0;
-    for (int i = 0; i < arity_; ++i) {
-      count += std::find(b, b + arity_, a[i]) != b + arity_ ? 1 : 0;
-    }
-    return count;
-  }
-
   /// Of independent samples the inner scale is this share of the other, or less.
   static constexpr double kInsideOverScale = 0.9;
 
   const Samples& samples_;
   const Neighborhoods& neighborhoods_;
   const SimplexArray& simplices_;
-  const OpeningOptions& options_;
+  const OpeningLevels& levels_;
   const Execution& execution_;
   SimplexRuler ruler_;
   int arity_;
@@ -453,24 +469,29 @@ class OpeningFinder {
   Csr stars_;                                  // simplices at each sample
   std::vector<std::uint8_t> seen_;             // simplices; 0 between uses
   std::vector<std::uint8_t> reached_;          // samples; 0 between uses
-  FoundOpenings found_;
+  WeighedOpenings found_;
 };
 
 }  // namespace
 
 double Opening::significance() const { return -std::expm1(-expected); }
 
-FoundOpenings find_openings(const Samples& samples, const Neighborhoods& neighborhoods,
-                            const std::vector<double>& scales,
-                            const SimplexArray& simplices,
-                            const OpeningOptions& options, const Execution& execution) {
+namespace detail {
+
+WeighedOpenings weigh_openings(const Samples& samples,
+                               const Neighborhoods& neighborhoods,
+                               const std::vector<double>& scales,
+                               const SimplexArray& simplices,
+                               const OpeningLevels& levels,
+                               const Execution& execution) {
   const int dim = simplices.arity - 1;
   if (dim < 1 || dim > kMaxOpeningDim || simplices.size() == 0 ||
       neighborhoods.count == 0) {
     return {};
   }
-  return OpeningFinder(samples, neighborhoods, scales, simplices, options, execution)
+  return OpeningFinder(samples, neighborhoods, scales, simplices, levels, execution)
       .run();
 }
 
+}  // namespace detail
 }  // namespace remanifold
