@@ -2,6 +2,7 @@
 #include "remanifold/manifold_complex.hpp"
 
 #include "base/assertions.hpp"
+#include "base/disjoint_sets.hpp"
 #include "base/parallel.hpp"
 #include "base/signed_sets.hpp"
 #include "base/sort_unique.hpp"
@@ -379,6 +380,7 @@ class ManifoldBuilder {
       }
       mend();
     }
+    list_parts();
     unsettle_changed();
     list_filled();
     // Around what was inserted, links have changed as well.
@@ -446,6 +448,48 @@ class ManifoldBuilder {
       fill_opened();
     }
     return true;
+  }
+
+  /// Samples in no simplex that are next to each other: too few for a manifold of their
+  /// own, and too far from all others to be part of theirs.
+  void list_parts() {
+    const std::vector<Index>& unused = result_.report.outliers;
+    std::vector<Index> number(samples_.size(), -1);
+    for (std::size_t i = 0; i < unused.size(); ++i) {
+      number[unused[i]] = static_cast<Index>(i);
+    }
+    detail::DisjointSets sets(static_cast<Offset>(unused.size()));
+    const Index near = std::min<Index>(arity_, neighborhoods_.count);
+    for (const Index x : unused) {
+      for (Index k = 0; k < near; ++k) {
+        const Index y = neighborhoods_.of(x)[k];
+        if (number[y] >= 0) {
+          sets.join(number[x], number[y]);
+        }
+      }
+    }
+    std::vector<Index> part_of(unused.size(), -1);
+    std::vector<Opening> parts;
+    for (std::size_t i = 0; i < unused.size(); ++i) {
+      const Offset root = sets.find(static_cast<Offset>(i));
+      if (part_of[root] < 0) {
+        part_of[root] = static_cast<Index>(parts.size());
+        parts.emplace_back();
+      }
+      Opening& part = parts[part_of[root]];
+      part.samples.push_back(unused[i]);
+      part.spacing += std::sqrt(
+          samples_.squared_distance(unused[i], neighborhoods_.of(unused[i])[0]));
+    }
+    for (Opening& part : parts) {
+      if (static_cast<int>(part.samples.size()) > arity_) {
+        part.kind = OpeningKind::kPart;
+        part.open = true;
+        part.spacing /= static_cast<double>(part.samples.size());
+        std::sort(part.samples.begin(), part.samples.end());
+        result_.report.openings.push_back(std::move(part));
+      }
+    }
   }
 
   /// What was opened in earlier rounds, and all of this one.

@@ -39,7 +39,7 @@ struct Chance {
 /// Simplices a sample by Miles (1970); the rest was fitted to simulations, see
 /// benchmarks/openings.py.
 constexpr std::array<Chance, kMaxOpeningDim> kChances{{
-    {1, 0.5, 0.80, 0.14, 0.87},
+    {1, 0.5, 0.84, 0.15, 0.95},
     {2, 1.2, 0.69, 0.016, 0.70},
     {6.7677, 1.2, 0.75, 0.0021, 0.72},
 }};
@@ -53,6 +53,9 @@ constexpr double kRingSamples = 150;
 constexpr double kLeastRing = 8;
 /// Even samples have smaller gaps, but no sample tells how much smaller than this.
 constexpr double kLeastDispersion = 0.2;
+/// The dispersion among so many independent samples is known up to 2 / sqrt(samples), its
+/// standard error for exponential gaps; within so many of these it counts as 1.
+constexpr double kDispersionErrors = 3;
 /// Next to a bridge those go as well whose radius is this share of a large one: where both
 /// rims come near each other they would go on bridging it.
 constexpr double kNextToBridge = 0.9;
@@ -300,7 +303,7 @@ class OpeningFinder {
                              simplices_[s] + arity_);
     }
     detail::sort_unique(opening.samples);
-    opening.dispersion = std::max(kLeastDispersion, variation / chance_.variation);
+    opening.dispersion = dispersion_of(variation, around);
     opening.spacing = std::pow(mean * chance_.simplices_per_sample, 1.0 / dim_);
     const auto size = static_cast<double>(cluster.size());
     opening.missing = (opening.volume / mean - size) / chance_.simplices_per_sample;
@@ -343,6 +346,15 @@ class OpeningFinder {
       seen_[s] = 0;
     }
     found_.bridges.insert(found_.bridges.end(), bridge.begin(), bridge.end());
+  }
+
+  /// As far as it differs from 1 by more than the ring leaves open.
+  double dispersion_of(double variation, double around) const {
+    const double found = variation / chance_.variation;
+    const double open = kDispersionErrors * 2 / std::sqrt(around);
+    const double beyond =
+        found > 1 ? std::max(1.0, found - open) : std::min(1.0, found + open);
+    return std::max(kLeastDispersion, beyond);
   }
 
   int shared(const Index* a, const Index* b) const {

@@ -139,13 +139,14 @@ class ReconstructionData(ComplexData):
     representatives: NDArray[np.int32]
     outliers: NDArray[np.int32]
     smoothing: Smoothing | None
-    openings: tuple[Opening, ...] = ()
     method: str
     estimator: str
     search: str
     num_neighbors: int
     recall: float
     timings: dict[str, float]
+    openings: tuple[Opening, ...] = ()
+    significance: float = 0.0
     tangent_simplices: NDArray[np.int32] | None = None
     edge_sets: EdgeSets | None = None
     stars: Stars | None = None

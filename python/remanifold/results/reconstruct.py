@@ -215,6 +215,7 @@ def reconstruct_samples(
         recall=result["recall"],
         timings=result["timings"],
         openings=openings_of(result.get("openings", []), k, options.chance),
+        significance=0.0 if options.is_paper else options.chance,
         _report=report,
         _frames=frames,
         _products=None if known else samples,
