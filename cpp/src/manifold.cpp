@@ -211,6 +211,11 @@ Reconstruction reconstruct(const Samples& given, const ReconstructOptions& optio
        {&report.singular, &report.inserted, &report.outliers}) {
     *vertices = to_input(samples, std::move(*vertices));
   }
+  for (Opening& opening : report.openings) {
+    opening.samples = to_input(samples, std::move(opening.samples));
+    opening.volume *= std::pow(samples.scale(), dim);
+    opening.spacing *= samples.scale();
+  }
   result.report = std::move(report);
   result.boundary.assign(samples.input_size(), 0);
   for (const Index v : result.report.open_facets.vertices) {

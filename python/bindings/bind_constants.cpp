@@ -20,6 +20,7 @@ void bind_constants(py::module_& module) {
   module.def("jet_neighbors", &jet_neighbors, py::arg("dim"));
   module.def("paper_neighbors", &paper_neighbors, py::arg("dim"));
   module.def("scale_neighbors", &scale_neighbors, py::arg("dim"));
+  module.attr("SIGNIFICANCE") = kSignificance;
   module.def("hole_radius_share", &hole_radius_share, py::arg("dim"));
 }
 

@@ -33,12 +33,31 @@ py::object tangents_of(std::vector<double>&& bases, TangentFrames&& frames,
                         frames.scale);
 }
 
+py::list openings_of(std::vector<Opening>&& openings) {
+  py::list out;
+  for (Opening& opening : openings) {
+    py::dict one;
+    one["kind"] = name_of(kOpeningKinds, opening.kind);
+    one["open"] = opening.open;
+    one["num_simplices"] = opening.num_simplices;
+    one["volume"] = opening.volume;
+    one["spacing"] = opening.spacing;
+    one["missing"] = opening.missing;
+    one["dispersion"] = opening.dispersion;
+    one["expected"] = opening.expected;
+    one["significance"] = opening.significance();
+    one["samples"] = to_numpy(std::move(opening.samples));
+    out.append(std::move(one));
+  }
+  return out;
+}
+
 /// None stands for the default of the method.
 ReconstructOptions make_options(int dim, Index num_neighbors,
                                 const std::optional<std::string>& estimator,
                                 const std::string& edges, const std::string& boundary,
                                 const std::optional<InputArray<bool>>& boundary_samples,
-                                double hole_radius,
+                                double hole_radius, double significance,
                                 std::optional<double> outlier_distance, bool smooth,
                                 Index smoothing_neighbors, bool only_noise,
                                 const std::string& search, int checks) {
@@ -55,6 +74,7 @@ ReconstructOptions make_options(int dim, Index num_neighbors,
         boundary_samples->data(), boundary_samples->data() + boundary_samples->size());
   }
   options.manifold.hole_radius = hole_radius;
+  options.manifold.significance = significance;
   options.outlier_distance = outlier_distance;
   options.smooth = smooth;
   options.smoothing.num_neighbors = smoothing_neighbors;
@@ -186,6 +206,7 @@ py::dict manifold(const Input& input, const ReconstructOptions& options,
   repair["inserted_vertices"] = to_numpy(std::move(report.inserted));
   repair["unused_vertices"] = to_numpy(std::move(report.outliers));
   repair["hole_radius"] = report.hole_radius;
+  out["openings"] = openings_of(std::move(report.openings));
   repair["num_agreed"] = report.agreed;
   repair["num_cavities"] = report.cavities;
   repair["num_programs"] = report.programs;
@@ -209,6 +230,7 @@ void bind_reconstruct(py::module_& module) {
            arg("boundary") = name_of(kBoundaryRules, defaults.manifold.boundary),
            arg("boundary_samples") = py::none(),
            arg("hole_radius") = defaults.manifold.hole_radius,
+           arg("significance") = defaults.manifold.significance,
            arg("outlier_distance") = py::none(), arg("smooth") = defaults.smooth,
            arg("smoothing_neighbors") = defaults.smoothing.num_neighbors,
            arg("only_noise") = defaults.smoothing.only_noise,

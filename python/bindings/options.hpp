@@ -34,6 +34,11 @@ inline constexpr std::array kBoundaryRules{
     Word<BoundaryRule>{"auto", BoundaryRule::kAuto},
     Word<BoundaryRule>{"none", BoundaryRule::kNone},
     Word<BoundaryRule>{"given", BoundaryRule::kGiven}};
+inline constexpr std::array kOpeningKinds{
+    Word<OpeningKind>{"gap", OpeningKind::kGap},
+    Word<OpeningKind>{"hole", OpeningKind::kHole},
+    Word<OpeningKind>{"joint", OpeningKind::kJoint},
+    Word<OpeningKind>{"part", OpeningKind::kPart}};
 
 /// \param what  names the argument in the error
 template <class T, std::size_t N>

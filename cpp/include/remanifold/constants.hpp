@@ -34,6 +34,9 @@ constexpr double kRandomHoleRadius = 3;
 constexpr double kEvenHoleRadius = 1.4;
 constexpr double hole_radius_share(int dim) { return dim == 1 ? 0.6 : 1; }
 
+/// The chance of one false opening in the whole data that is taken.
+constexpr double kSignificance = 1e-3;
+
 /// Leaves that the approximate search visits.
 constexpr int kChecks = 256;
 /// Samples at which its recall is measured.

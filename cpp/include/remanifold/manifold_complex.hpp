@@ -11,6 +11,7 @@
 #include "remanifold/local_region.hpp"
 #include "remanifold/minimum_chain.hpp"
 #include "remanifold/neighborhoods.hpp"
+#include "remanifold/openings.hpp"
 #include "remanifold/samples.hpp"
 #include "remanifold/tangent_space.hpp"
 #include "remanifold/types.hpp"
@@ -33,6 +34,10 @@ struct ManifoldOptions {
   /// 0: by how evenly the samples lie, from kRandomHoleRadius to kEvenHoleRadius times
   /// hole_radius_share(K).
   double hole_radius = 0;
+  /// With hole_radius 0, openings that bridge more missing samples than this chance allows
+  /// are opened as well, up to K = kMaxOpeningDim: the chance of one false opening in the
+  /// whole data.
+  double significance = kSignificance;
   /// Agreed simplices with a circumradius up to this times h are fixed, and with a boundary
   /// up to hole_share times hole_radius: long holes have a smaller circumradius than round
   /// ones of the same price.
@@ -58,6 +63,7 @@ struct ManifoldReport {
   std::vector<Index> singular;    ///< vertices whose link is neither sphere nor ball
   std::vector<Index> inserted;    ///< left out by the chain, put back by subdivision
   std::vector<Index> outliers;    ///< samples in no simplex
+  std::vector<Opening> openings;  ///< weighed by evidence, the least expected first
   Offset agreed = 0;              ///< star simplices that all their vertices have
   Index cavities = 0;
   Index programs = 0;

@@ -5,12 +5,18 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <tuple>
 #include <utility>
 
 namespace remanifold {
 namespace {
+
+/// A few samples are a curve of their own where others are farther than this times the
+/// longest edge among them: two gaps of three spacings each, there and back, are a chance
+/// of e^-6.
+constexpr double kOnItsOwn = 3;
 
 class CurveRepair {
  public:
@@ -60,6 +66,10 @@ class CurveRepair {
           continue;
         }
         const Index length = path_length(join.a, join.b);
+        if (length == 0 && (stays_away(join.a, join.b, smallest_loop) ||
+                            stays_away(join.b, join.a, smallest_loop))) {
+          continue;
+        }
         if (length == 0 || length >= smallest_loop || (close_short && length > 2)) {
           link(join.a, join.b);
         }
@@ -68,7 +78,7 @@ class CurveRepair {
   }
 
   /// Puts paths whose ends find no others between two neighbors on another curve.
-  void insert_paths(const Execution& execution) {
+  void insert_paths(Index smallest_loop, const Execution& execution) {
     for (Index a = 0; a < samples_.size(); ++a) {
       if (degree(a) != 1) {
         continue;
@@ -85,7 +95,7 @@ class CurveRepair {
             continue;
           }
           const double more = energy_of(a, c) + energy_of(b, d) - energy_of(c, d);
-          if (more < least) {
+          if (more < least && !stays_away(a, c, smallest_loop)) {
             least = more;
             at = c;
             behind = d;
@@ -195,6 +205,28 @@ class CurveRepair {
     return found;
   }
 
+  double length_of(Index a, Index b) const {
+    return std::sqrt(samples_.squared_distance(a, b));
+  }
+
+  /// Whether a, on a curve of at least three and fewer than `few` samples, is farther from
+  /// b than its curve allows.
+  bool stays_away(Index a, Index b, Index few) const {
+    const std::vector<Index> curve = component(a, few);
+    return curve.size() > 2 && static_cast<Index>(curve.size()) < few &&
+           length_of(a, b) > kOnItsOwn * longest_edge(curve);
+  }
+
+  double longest_edge(const std::vector<Index>& curve) const {
+    double longest = 0;
+    for (const Index v : curve) {
+      for (const Index w : next_[v]) {
+        longest = w >= 0 ? std::max(longest, length_of(v, w)) : longest;
+      }
+    }
+    return longest;
+  }
+
   bool is_loop(const std::vector<Index>& curve) const {
     return std::all_of(curve.begin(), curve.end(),
                        [&](Index v) { return degree(v) == 2; });
@@ -203,10 +235,12 @@ class CurveRepair {
   void merge(const std::vector<Index>& loop) {
     std::array<Index, 4> best{};  // a - b, c - d become a - c, b - d
     double least = std::numeric_limits<double>::infinity();
+    const double farthest = kOnItsOwn * longest_edge(loop);
     for (const Index a : loop) {
       for (Index k = 0; k < neighborhoods_.count; ++k) {
         const Index c = neighborhoods_.of(a)[k];
-        if (std::find(loop.begin(), loop.end(), c) != loop.end()) {
+        if (std::find(loop.begin(), loop.end(), c) != loop.end() ||
+            length_of(a, c) > farthest) {
           continue;
         }
         for (const Index b : next_[a]) {
@@ -248,7 +282,7 @@ void repair_curves(const Samples& samples, const Neighborhoods& neighborhoods,
                    const Execution& execution) {
   CurveRepair repair(samples, neighborhoods, scales, price, edges);
   repair.join_ends(smallest_loop);
-  repair.insert_paths(execution);
+  repair.insert_paths(smallest_loop, execution);
   repair.merge_loops(smallest_loop, execution);
   edges = repair.finish();
 }

@@ -2,10 +2,12 @@
 #include "remanifold/manifold_complex.hpp"
 
 #include "base/assertions.hpp"
+#include "base/disjoint_sets.hpp"
 #include "base/parallel.hpp"
 #include "base/signed_sets.hpp"
 #include "base/sort_unique.hpp"
 #include "chain/candidates.hpp"
+#include "chain/opening_finder.hpp"
 #include "complex/simplex_rows.hpp"
 #include "remanifold/cavities.hpp"
 #include "remanifold/curve_repair.hpp"
@@ -19,6 +21,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 namespace remanifold {
@@ -34,6 +37,13 @@ constexpr double kSharpFold = -0.5;
 /// Neighbors joined by edges for the widest choice of candidates where there is no
 /// ambient Delaunay triangulation.
 constexpr int kNeighborsPerDim = 4;
+/// Openings of which more are to be expected by chance are not worth a mention.
+constexpr double kMostExpected = 1;
+/// hole_radius at what was opened by evidence: what is wider than gaps of even samples
+/// stays open.
+constexpr double kOpenedRadius = 1.4;
+/// What is opened shows more around it; rounds of that.
+constexpr int kOpeningRounds = 3;
 /// More cliques than this for each sample around what is open are too many to choose from.
 constexpr std::size_t kCliquesPerSample = 500;
 /// Edges from what stays open within which cavities are filled again.
@@ -62,6 +72,8 @@ class ManifoldBuilder {
         std::find(marked.begin(), marked.end(), 1) == marked.end()) {
       options_.boundary = BoundaryRule::kNone;
     }
+    by_evidence_ =
+        options_.hole_radius == 0 && options_.boundary == BoundaryRule::kAuto;
     if (options_.hole_radius == 0) {
       const double even = evenness(samples, neighborhoods, scales_, dim_, execution);
       options_.hole_radius =
@@ -350,7 +362,12 @@ class ManifoldBuilder {
   double price_of(const Index* facet) {
     const double size = ruler_.facet_size(facet, dim_);
     if (options_.boundary == BoundaryRule::kAuto) {
-      return size * open_price(dim_, options_.hole_radius);
+      const bool opened =
+          !opened_.empty() &&
+          std::all_of(facet, facet + dim_, [&](Index v) { return opened_[v] != 0; });
+      return size * open_price(dim_, opened
+                                         ? std::min(kOpenedRadius, options_.hole_radius)
+                                         : options_.hole_radius);
     }
     const bool allowed = options_.boundary == BoundaryRule::kGiven &&
                          std::all_of(facet, facet + dim_, [&](Index v) {
@@ -402,12 +419,14 @@ class ManifoldBuilder {
       repair_curves(samples_, neighborhoods_, scales_, price_, options_.smallest_loop,
                     result_.simplices, execution_);
     }
-    repair_links(samples_, scales_, unsettled_, price_, result_.simplices, execution_);
-    Insertion insertion =
-        insert_vertices(samples_, neighborhoods_, scales_, options_.outlier_distance,
-                        result_.simplices, execution_);
-    report.inserted = std::move(insertion.inserted);
-    report.outliers = std::move(insertion.outliers);
+    mend();
+    for (int round = 0; by_evidence_ && round < kOpeningRounds; ++round) {
+      if (!open_by_evidence()) {
+        break;
+      }
+      mend();
+    }
+    list_parts();
     unsettle_changed();
     list_filled();
     // Around what was inserted, links have changed as well.
@@ -434,6 +453,126 @@ class ManifoldBuilder {
       }
     }
     orient_result();
+  }
+
+  /// Links, and samples that were left out.
+  void mend() {
+    ManifoldReport& report = result_.report;
+    repair_links(samples_, scales_, unsettled_, price_, result_.simplices, execution_);
+    Insertion insertion =
+        insert_vertices(samples_, neighborhoods_, scales_, options_.outlier_distance,
+                        result_.simplices, execution_);
+    report.inserted.insert(report.inserted.end(), insertion.inserted.begin(),
+                           insertion.inserted.end());
+    detail::sort_unique(report.inserted);
+    report.outliers = std::move(insertion.outliers);
+  }
+
+  /// Takes out what bridges openings that chance does not explain.
+  /// \returns whether there are any
+  bool open_by_evidence() {
+    detail::WeighedOpenings found =
+        detail::weigh_openings(samples_, neighborhoods_, scales_, result_.simplices,
+                               {options_.significance, kMostExpected}, execution_);
+    list_openings(std::move(found.openings));
+    if (found.bridges.empty()) {
+      return false;
+    }
+    opened_.resize(samples_.size(), 0);
+    std::vector<std::uint8_t> marked(result_.simplices.size(), 0);
+    for (const Offset s : found.bridges) {
+      marked[s] = 1;
+      for (int i = 0; i < arity_; ++i) {
+        opened_[result_.simplices[s][i]] = 1;
+        unsettled_[result_.simplices[s][i]] = 1;
+      }
+    }
+    pool_ = detail::select_rows(result_.simplices, found.bridges);
+    detail::erase_rows(result_.simplices, marked);
+    split_ = true;
+    if (dim_ > 1) {
+      fill_opened();
+    }
+    return true;
+  }
+
+  /// Samples in no simplex that are next to each other: too few for a manifold of their
+  /// own, and too far from all others to be part of theirs.
+  void list_parts() {
+    const std::vector<Index>& unused = result_.report.outliers;
+    std::vector<Index> number(samples_.size(), -1);
+    for (std::size_t i = 0; i < unused.size(); ++i) {
+      number[unused[i]] = static_cast<Index>(i);
+    }
+    detail::DisjointSets sets(static_cast<Offset>(unused.size()));
+    const Index near = std::min<Index>(arity_, neighborhoods_.count);
+    for (const Index x : unused) {
+      for (Index k = 0; k < near; ++k) {
+        const Index y = neighborhoods_.of(x)[k];
+        if (number[y] >= 0) {
+          sets.join(number[x], number[y]);
+        }
+      }
+    }
+    std::vector<Index> part_of(unused.size(), -1);
+    std::vector<Opening> parts;
+    for (std::size_t i = 0; i < unused.size(); ++i) {
+      const Offset root = sets.find(static_cast<Offset>(i));
+      if (part_of[root] < 0) {
+        part_of[root] = static_cast<Index>(parts.size());
+        parts.emplace_back();
+      }
+      Opening& part = parts[part_of[root]];
+      part.samples.push_back(unused[i]);
+      part.spacing += std::sqrt(
+          samples_.squared_distance(unused[i], neighborhoods_.of(unused[i])[0]));
+    }
+    for (Opening& part : parts) {
+      if (static_cast<int>(part.samples.size()) > arity_) {
+        part.kind = OpeningKind::kPart;
+        part.open = true;
+        part.spacing /= static_cast<double>(part.samples.size());
+        std::sort(part.samples.begin(), part.samples.end());
+        result_.report.openings.push_back(std::move(part));
+      }
+    }
+  }
+
+  /// What was opened in earlier rounds, and all of this one.
+  void list_openings(std::vector<Opening> found) {
+    std::vector<Opening>& openings = result_.report.openings;
+    openings.erase(std::remove_if(openings.begin(), openings.end(),
+                                  [](const Opening& opening) { return !opening.open; }),
+                   openings.end());
+    openings.insert(openings.end(), std::make_move_iterator(found.begin()),
+                    std::make_move_iterator(found.end()));
+  }
+
+  /// Between the opened samples only what is small is filled again: what else ties samples
+  /// together that the bridge did.
+  void fill_opened() {
+    for (const SimplexArray* simplices : {&disputed_, &large_}) {
+      for (const Offset s :
+           detail::rows_near(*simplices, opened_, arity_, execution_)) {
+        detail::append_row(pool_, (*simplices)[s]);
+      }
+    }
+    const std::vector<Offset> numbers =
+        detail::rows_near(result_.simplices, opened_, dim_, execution_);
+    Cavities cavities =
+        find_cavities(detail::select_rows(result_.simplices, numbers), opened_, pool_,
+                      ruler_, price_, false, execution_);
+    for (FacetNumber& rim : cavities.rims) {
+      if (rim != kOpen) {
+        rim = numbers[rim / arity_] * arity_ + rim % arity_;
+      }
+    }
+    const ChainFill chain = fill_cavities(cavities, result_.simplices, samples_.size(),
+                                          options_.chain, solver_, execution_);
+    for (const Index c : chain.chosen) {
+      detail::append_row(result_.simplices, cavities.candidates[c]);
+    }
+    result_.simplices = detail::sorted_unique(result_.simplices, execution_);
   }
 
   /// Repairs reach beyond the samples that were unsettled.
@@ -503,6 +642,7 @@ class ManifoldBuilder {
   int arity_;
   std::vector<double> scales_;
   SimplexRuler ruler_;
+  bool by_evidence_ = false;
   FacetPrice price_;  // of leaving a facet open
 
   OrientedPatches patches_;  // of the agreed simplices
@@ -513,6 +653,7 @@ class ManifoldBuilder {
   SimplexArray pool_;        // candidates
   Offset num_agreed_ = 0;
   std::vector<std::uint8_t> unsettled_;  // samples at which facets may be open
+  std::vector<std::uint8_t> opened_;     // samples at openings by evidence; or empty
   std::vector<Index> open_region_;       // samples around what stayed open, ascending
   ManifoldComplex result_;
 };

@@ -171,6 +171,17 @@ def check_positive(value: Any, name: str) -> float:
     return number
 
 
+def check_significance(significance: Any) -> float:
+    """Accept a chance: from 0, at which nothing is significant, to below 1."""
+    if isinstance(significance, bool) or not isinstance(significance, Real):
+        msg = f"significance must be a number, got {significance!r}"
+        raise TypeError(msg)
+    if not 0 <= significance < 1:
+        msg = f"significance is {significance!r}, expected a chance from 0 to below 1"
+        raise ValueError(msg)
+    return float(significance)
+
+
 def check_smooth(smooth: Any, dim: int | None = None) -> tuple[bool, int, bool]:
     """Whether to move samples, neighbors of a fit (0 for a choice), whether only noise.
 

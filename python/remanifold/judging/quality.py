@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from remanifold._base.samples import Input
     from remanifold.complex.topology import Topology
+    from remanifold.method.openings import Opening
     from remanifold.method.result import ReconstructionData, Repair
 
 MAX_UNUSED = 0.01  # of the samples
@@ -156,6 +157,9 @@ class _Limits:
     # Balls that large expected among as many samples at random: powers of ten.
     gap: float
     some_gap: float
+    # Chance of a gap as large as one that was closed, up to which that is in doubt. Along
+    # a curve nothing else tells of one.
+    rare_gap: float
     # Spacing over reach at 5 % of the samples, tangent confidence at 5 %, and scatter
     # about the fits over the spacing, which for curves takes the place of the first.
     some_ratio: float
@@ -179,6 +183,7 @@ _CURVES = _Limits(
     some_opening=0,
     gap=-4,
     some_gap=-2,
+    rare_gap=0.15,
     some_ratio=2.45,
     some_confidence=0.4,
     scatter=0.4,
@@ -199,6 +204,7 @@ _SURFACES = _Limits(
     some_opening=1.0,
     gap=-2.3,
     some_gap=-0.7,
+    rare_gap=0.08,
     some_ratio=2.0,
     some_confidence=0.3,
 )
@@ -217,6 +223,7 @@ _THREE = _Limits(
     some_opening=0.5,
     gap=-2.3,
     some_gap=-1,
+    rare_gap=0.08,
     some_ratio=2.25,
     some_confidence=0.25,
 )
@@ -235,6 +242,7 @@ _MORE = _Limits(
     some_opening=0.3,
     gap=-2.3,
     some_gap=-1,
+    rare_gap=0.08,
     some_ratio=2.25,
     some_confidence=0.25,
 )
@@ -247,6 +255,7 @@ FEW = 20_000  # samples among which crossings are looked for without a sign
 LONG_EDGE = 1.2  # spacings
 MOST_LONG_EDGES = 50  # that are looked at
 CROSSING = 0.5  # distance of a sample from the middle over half the length
+SURE = 0.1  # of the significance, below which an opening is beyond doubt
 LEAST_GAPS = 30  # samples from which the evenness is judged
 MUCH_LEFT = 0.15  # of the spacing: noise that makes samples propose other simplices
 ENOUGH = 1.0  # spacing over reach that is asked for when recommending
@@ -267,6 +276,8 @@ class _Findings:
     simplices: NDArray[np.int32]
     topology: Topology
     repair: Repair
+    openings: tuple[Opening, ...]
+    significance: float
     own: NDArray[np.bool_]  # not a copy
     spacing: NDArray[np.float64]
     reach: NDArray[np.float64]
@@ -318,6 +329,8 @@ def assess(rec: ReconstructionData) -> Quality:
         simplices=rec.simplices,
         topology=rec.topology(),
         repair=rec.repair,
+        openings=rec.openings,
+        significance=rec.significance,
         own=own,
         spacing=spacing,
         reach=reach,
@@ -448,6 +461,8 @@ def _signs(found: _Findings) -> Iterator[_Sign]:
         yield from _folds(found)
         yield from _gaps(found)
         yield from _openings(found)
+        yield from _close_decisions(found)
+        yield from _parts(found)
         yield from _disputes(found)
         yield from _sparsity(found)
 
@@ -711,6 +726,59 @@ def _openings(found: _Findings) -> Iterator[_Sign]:
             "be nothing but gaps between samples",
             rims,
             1 / float(share.min()),
+        )
+
+
+def _close_decisions(found: _Findings) -> Iterator[_Sign]:
+    """Gaps that chance leaves now and then, and openings that it could have left."""
+    wide = [
+        opening
+        for opening in found.openings
+        if opening.decision == "closed"
+        and opening.significance <= found.limits.rare_gap
+    ]
+    if wide:
+        widest = min(wide, key=lambda opening: opening.significance)
+        yield _Sign(
+            True,
+            f"a {widest.kind} of {2 * widest.radius / widest.spacing:.1f} spacings with "
+            f"{widest.missing:.0f} samples missing was closed, but chance leaves one as "
+            f"large in {widest.significance:.2g} of such data: from significance="
+            f"{widest.significance:.2g} on it is open",
+            np.unique(np.concatenate([opening.samples for opening in wide])).astype(
+                np.int64
+            ),
+        )
+    near = [
+        opening
+        for opening in found.openings
+        if opening.decision == "open"
+        and opening.kind in ("gap", "hole")
+        and opening.significance > SURE * found.significance
+    ]
+    if near:
+        least = max(near, key=lambda opening: opening.significance)
+        yield _Sign(
+            True,
+            f"a {least.kind} of {2 * least.radius / least.spacing:.1f} spacings with "
+            f"{least.missing:.0f} samples missing was left open, but below "
+            f"significance={least.significance:.2g} it is closed",
+            np.unique(np.concatenate([opening.samples for opening in near])).astype(
+                np.int64
+            ),
+        )
+
+
+def _parts(found: _Findings) -> Iterator[_Sign]:
+    """Few samples far from all others, in no simplex."""
+    parts = [opening for opening in found.openings if opening.kind == "part"]
+    if parts:
+        samples = np.concatenate([part.samples for part in parts]).astype(np.int64)
+        yield _Sign(
+            True,
+            f"{_count(len(parts), 'part')} of {_count(len(samples), 'sample')} far from "
+            "all others, with too few samples for a manifold, left out",
+            np.unique(samples),
         )
 
 

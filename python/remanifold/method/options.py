@@ -17,6 +17,7 @@ from remanifold._base.validation import (
     check_num_neighbors,
     check_outliers,
     check_positive,
+    check_significance,
     check_smooth,
 )
 
@@ -38,8 +39,14 @@ ESTIMATORS = _core.ESTIMATORS
 EDGE_RULES = _core.EDGE_RULES
 SEARCHES = _core.SEARCHES
 CHECKS = _core.CHECKS
+SIGNIFICANCE = _core.SIGNIFICANCE
 # What belongs to one method, and says so when it is given to the other.
-_ONLY = {"boundary": "manifold", "hole_radius": "manifold", "edges": "paper"}
+_ONLY = {
+    "boundary": "manifold",
+    "hole_radius": "manifold",
+    "significance": "manifold",
+    "edges": "paper",
+}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -52,6 +59,7 @@ class Options:
     method: Method = "manifold"
     boundary: Literal["auto", False] | ArrayLike = "auto"
     hole_radius: float | None = None
+    significance: float | None = None
     outliers: Literal["auto", False] | float | None = None
     smooth: Literal["auto"] | bool | int | None = None
     num_neighbors: int | None = None
@@ -75,6 +83,7 @@ class Options:
         check_int(self.checks, "checks", minimum=1)
         if self.hole_radius is not None:
             check_positive(self.hole_radius, "hole_radius")
+        check_significance(self.chance)
         check_outliers(self._outliers)
         check_smooth(self.smooth)
 
@@ -98,6 +107,11 @@ class Options:
     def edge_rule(self) -> str:
         """The rule for edges, given or not."""
         return "mutual" if self.edges is None else self.edges
+
+    @property
+    def chance(self) -> float:
+        """The significance, given or not."""
+        return SIGNIFICANCE if self.significance is None else self.significance
 
     @property
     def _outliers(self) -> Any:
@@ -149,6 +163,7 @@ class Options:
             boundary=rule,
             boundary_samples=mask,
             hole_radius=0.0 if self.hole_radius is None else float(self.hole_radius),
+            significance=float(self.chance),
             outlier_distance=check_outliers(self._outliers),
             smooth=smooth,
             smoothing_neighbors=neighbors,

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from remanifold.method.cleaning import Smoothing
+    from remanifold.method.openings import Opening
     from remanifold.method.steps import EdgeSets, Stars
 
 
@@ -146,6 +147,8 @@ class ReconstructionData(ComplexData):
     num_neighbors: int
     recall: float
     timings: dict[str, float]
+    openings: tuple[Opening, ...] = ()
+    significance: float = 0.0
     tangent_simplices: NDArray[np.int32] | None = None
     edge_sets: EdgeSets | None = None
     stars: Stars | None = None

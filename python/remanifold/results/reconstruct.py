@@ -26,6 +26,7 @@ from remanifold.method.dropping import INVALID, filled, finite_rows, number_as_g
 from remanifold.method.options import CHECKS, Options
 from remanifold.method.programs import solve_program
 from remanifold.method.steps import EdgeSets, Stars, warn_of_recall
+from remanifold.method.openings import openings_of
 from remanifold.results.reconstruction import Reconstruction
 from remanifold.warnings import ManifoldWarning
 
@@ -47,6 +48,7 @@ def reconstruct(
     method: Method = "manifold",
     boundary: Literal["auto", False] | ArrayLike = "auto",
     hole_radius: float | None = None,
+    significance: float | None = None,
     outliers: Literal["auto", False] | float | None = None,
     smooth: Literal["auto"] | bool | int | None = None,
     gram: ArrayLike | None = None,
@@ -144,6 +146,7 @@ def reconstruct(
         method=method,
         boundary=boundary,
         hole_radius=hole_radius,
+        significance=significance,
         outliers=outliers,
         smooth=smooth,
         num_neighbors=num_neighbors,
@@ -267,6 +270,8 @@ def reconstruct_samples(
         num_neighbors=options.neighbors(k),
         recall=result["recall"],
         timings=result["timings"],
+        openings=openings_of(result.get("openings", []), k, options.chance),
+        significance=0.0 if options.is_paper else options.chance,
         _report=report,
         _frames=frames,
         _products=None if known else samples,

@@ -1,0 +1,509 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "base/csr.hpp"
+#include "base/disjoint_sets.hpp"
+#include "base/parallel.hpp"
+#include "base/sort_unique.hpp"
+#include "chain/opening_finder.hpp"
+#include "complex/simplex_rows.hpp"
+#include "remanifold/constants.hpp"
+#include "remanifold/facets.hpp"
+#include "remanifold/simplex_measures.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace remanifold {
+namespace {
+
+using detail::OpeningLevels;
+using detail::WeighedOpenings;
+
+constexpr Offset kBlock = 1024;
+
+/// What independent samples do, for one K.
+struct Chance {
+  double simplices_per_sample;
+  /// A simplex is large with this times the local scale as its circumradius. Few are, so
+  /// that they do not percolate.
+  double large_radius;
+  /// Squared coefficient of variation of the volumes of those that are not.
+  double variation;
+  /// Clusters a sample with a weight above w: rate * exp(-decay * w).
+  double rate;
+  double decay;
+};
+
+/// Simplices a sample by Miles (1970); the rest was fitted to simulations, see
+/// benchmarks/openings.py.
+constexpr std::array<Chance, kMaxOpeningDim> kChances{{
+    {1, 0.5, 0.84, 0.15, 0.95},
+    {2, 1.2, 0.69, 0.016, 0.70},
+    {6.7677, 1.2, 0.75, 0.0021, 0.72},
+}};
+
+/// Each simplex of a cluster counts less by this many mean volumes: there are the more
+/// clusters to choose from the larger they are.
+constexpr double kChoice = 1;
+/// Samples around a cluster that its volume is weighed against.
+constexpr double kRingSamples = 150;
+/// With fewer there is nothing to weigh by.
+constexpr double kLeastRing = 8;
+/// Even samples have smaller gaps, but no sample tells how much smaller than this.
+constexpr double kLeastDispersion = 0.2;
+/// The dispersion among so many independent samples is known up to 2 / sqrt(samples), its
+/// standard error for exponential gaps; within so many of these it counts as 1.
+constexpr double kDispersionErrors = 3;
+/// Next to a bridge those go as well whose radius is this share of a large one: where both
+/// rims come near each other they would go on bridging it.
+constexpr double kNextToBridge = 0.9;
+/// The local scale is up to 2^(1/K) times too large at a rim, where half of the
+/// neighborhood is missing; this quartile of it among the neighbors is not.
+constexpr double kInside = 0.25;
+constexpr int kInsideNeighbors = 3;  // times those that the scale spans
+
+/// K = 1: edges this many times longer than those next to them join two ends, which have
+/// to continue each other: so many steps before the edge and behind it may turn by 120
+/// degrees against each other, besides what they turn on their way.
+constexpr double kJoint = 2.5;
+constexpr double kMostTurn = 2.0944;
+constexpr int kJointSteps = 6;
+/// Where the steps lead less far than this share of their length there is no direction.
+constexpr double kStraight = 0.5;
+
+class OpeningFinder {
+ public:
+  OpeningFinder(const Samples& samples, const Neighborhoods& neighborhoods,
+                const std::vector<double>& scales, const SimplexArray& simplices,
+                const OpeningLevels& levels, const Execution& execution)
+      : samples_(samples),
+        neighborhoods_(neighborhoods),
+        simplices_(simplices),
+        levels_(levels),
+        execution_(execution),
+        ruler_(samples, scales),
+        arity_(simplices.arity),
+        dim_(simplices.arity - 1),
+        chance_(kChances[dim_ - 1]) {}
+
+  WeighedOpenings run() {
+    find_large();
+    find_clusters();
+    for (std::vector<Offset>& cluster : clusters_) {
+      execution_.poll();
+      weigh(cluster);
+    }
+    if (dim_ == 1 && levels_.significance > 0) {
+      find_joints();
+    }
+    std::sort(found_.openings.begin(), found_.openings.end(),
+              [](const Opening& a, const Opening& b) {
+                return a.expected != b.expected ? a.expected < b.expected
+                                                : a.samples < b.samples;
+              });
+    detail::sort_unique(found_.bridges);
+    return std::move(found_);
+  }
+
+ private:
+  /// The local scale further inside.
+  double inner_scale(Index x, std::vector<double>& near) const {
+    const Index rank = std::min(scale_neighbors(dim_), neighborhoods_.count) - 1;
+    const Index count =
+        std::min(kInsideNeighbors * scale_neighbors(dim_), neighborhoods_.count);
+    const auto scale = [&](Index y) {
+      return samples_.squared_distance(y, neighborhoods_.of(y)[rank]);
+    };
+    near.assign(1, scale(x));
+    for (Index k = 0; k < count; ++k) {
+      near.push_back(scale(neighborhoods_.of(x)[k]));
+    }
+    const auto inside = near.begin() + static_cast<Offset>(kInside * count);
+    std::nth_element(near.begin(), inside, near.end());
+    return std::sqrt(*inside);
+  }
+
+  /// The circumradius over the inner scale.
+  double relative_radius(const Index* simplex, double radius,
+                         std::vector<double>& near) const {
+    double sum = 0;
+    for (int i = 0; i < arity_; ++i) {
+      sum += inner_scale(simplex[i], near);
+    }
+    return sum > 0 ? radius * arity_ / sum : 0;
+  }
+
+  void find_large() {
+    const Offset count = simplices_.size();
+    large_.assign(count, 0);
+    // The scale is too large by less than this at a rim.
+    const double screen =
+        chance_.large_radius * std::pow(0.5, 1.0 / dim_) * kInsideOverScale;
+    detail::for_each_block_uncounted(
+        count, kBlock, execution_, [&](Offset begin, Offset end) {
+          std::vector<double> near;
+          for (Offset s = begin; s < end; ++s) {
+            const Index* simplex = simplices_[s];
+            const double radius = ruler_.measure(simplex, arity_).circumradius;
+            large_[s] =
+                radius > screen * ruler_.scale(simplex, arity_) &&
+                        relative_radius(simplex, radius, near) > chance_.large_radius
+                    ? 1
+                    : 0;
+          }
+        });
+  }
+
+  /// Large simplices that share facets.
+  void find_clusters() {
+    std::vector<Offset> rows;
+    for (Offset s = 0; s < simplices_.size(); ++s) {
+      if (large_[s] != 0) {
+        rows.push_back(s);
+      }
+    }
+    const SimplexArray large = detail::select_rows(simplices_, rows);
+    const FacetGroups groups = group_facets(large, samples_.size(), execution_);
+    detail::DisjointSets sets(large.size());
+    for (Offset g = 0; g < groups.size(); ++g) {
+      for (Offset i = groups.offsets[g] + 1; i < groups.offsets[g + 1]; ++i) {
+        sets.join(groups.facets[groups.offsets[g]] / arity_, groups.facets[i] / arity_);
+      }
+    }
+    std::vector<Offset> number(large.size(), -1);
+    for (Offset s = 0; s < large.size(); ++s) {
+      const Offset root = sets.find(s);
+      if (number[root] < 0) {
+        number[root] = static_cast<Offset>(clusters_.size());
+        clusters_.emplace_back();
+      }
+      clusters_[number[root]].push_back(rows[s]);
+    }
+    std::vector<double> near;
+    clusters_.erase(std::remove_if(clusters_.begin(), clusters_.end(),
+                                   [&](const std::vector<Offset>& cluster) {
+                                     return expected(most_weight(cluster, near) /
+                                                     kLeastDispersion) >
+                                            levels_.most_expected;
+                                   }),
+                    clusters_.end());
+  }
+
+  /// More than the ring will say: by the density that the inner scale stands for.
+  double most_weight(const std::vector<Offset>& cluster, std::vector<double>& near) {
+    double weight = 0;
+    for (const Offset s : cluster) {
+      const Index* simplex = simplices_[s];
+      double scale = 0;
+      for (int i = 0; i < arity_; ++i) {
+        scale += inner_scale(simplex[i], near) / arity_;
+      }
+      const double held = scale_neighbors(dim_) *
+                          ruler_.measure(simplex, arity_).volume /
+                          (unit_ball() * std::pow(scale, dim_));
+      weight += held - (1 + kChoice) / chance_.simplices_per_sample;
+    }
+    return weight;
+  }
+
+  double unit_ball() const {
+    constexpr double kPi = 3.14159265358979323846;
+    return dim_ == 1 ? 2 : dim_ == 2 ? kPi : 4 * kPi / 3;
+  }
+
+  double expected(double weight) const {
+    return samples_.size() * chance_.rate * std::exp(-chance_.decay * weight);
+  }
+
+  void make_stars() {
+    if (stars_.rows() == 0) {
+      stars_ = detail::csr_of(samples_.size(), [&](const auto& add) {
+        for (Offset s = 0; s < simplices_.size(); ++s) {
+          for (int i = 0; i < arity_; ++i) {
+            add(simplices_[s][i], static_cast<Index>(s));
+          }
+        }
+      });
+      seen_.assign(simplices_.size(), 0);
+      reached_.assign(samples_.size(), 0);
+    }
+  }
+
+  /// Simplices around the cluster that are not large, whole layers of stars at a time.
+  std::vector<Offset> ring_of(const std::vector<Offset>& cluster) {
+    make_stars();
+    const auto wanted =
+        static_cast<std::size_t>(kRingSamples * chance_.simplices_per_sample);
+    std::vector<Index> reached;
+    const auto reach = [&](Offset s) {
+      for (int i = 0; i < arity_; ++i) {
+        const Index v = simplices_[s][i];
+        if (reached_[v] == 0) {
+          reached_[v] = 1;
+          reached.push_back(v);
+        }
+      }
+    };
+    for (const Offset s : cluster) {
+      reach(s);
+    }
+    std::vector<Offset> ring;
+    for (std::size_t begin = 0; ring.size() < wanted && begin < reached.size();) {
+      const std::size_t end = reached.size();
+      for (; begin < end; ++begin) {
+        const Index v = reached[begin];
+        for (const Index* s = stars_.begin(v); s != stars_.end(v); ++s) {
+          if (large_[*s] == 0 && seen_[*s] == 0) {
+            seen_[*s] = 1;
+            ring.push_back(*s);
+            reach(*s);
+          }
+        }
+      }
+    }
+    for (const Index v : reached) {
+      reached_[v] = 0;
+    }
+    for (const Offset s : ring) {
+      seen_[s] = 0;
+    }
+    return ring;
+  }
+
+  void weigh(const std::vector<Offset>& cluster) {
+    const std::vector<Offset> ring = ring_of(cluster);
+    const double around =
+        static_cast<double>(ring.size()) / chance_.simplices_per_sample;
+    if (around < kLeastRing) {
+      return;
+    }
+    double sum = 0;
+    double squares = 0;
+    for (const Offset s : ring) {
+      const double volume = ruler_.measure(simplices_[s], arity_).volume;
+      sum += volume;
+      squares += volume * volume;
+    }
+    const auto count = static_cast<double>(ring.size());
+    if (!(sum > 0)) {
+      return;
+    }
+    const double variation = std::max(0.0, squares * count / (sum * sum) - 1);
+    // Where the density changes, by that of the sparser side: the mean by volume.
+    const double mean =
+        sum / count * std::max(1.0, (1 + variation) / (1 + chance_.variation));
+    Opening opening;
+    opening.kind = dim_ == 1 ? OpeningKind::kGap : OpeningKind::kHole;
+    opening.num_simplices = static_cast<Offset>(cluster.size());
+    for (const Offset s : cluster) {
+      opening.volume += ruler_.measure(simplices_[s], arity_).volume;
+      opening.samples.insert(opening.samples.end(), simplices_[s],
+                             simplices_[s] + arity_);
+    }
+    detail::sort_unique(opening.samples);
+    opening.dispersion = dispersion_of(variation, around);
+    opening.spacing = std::pow(mean * chance_.simplices_per_sample, 1.0 / dim_);
+    const auto size = static_cast<double>(cluster.size());
+    opening.missing = (opening.volume / mean - size) / chance_.simplices_per_sample;
+    const double weight =
+        opening.missing - kChoice * size / chance_.simplices_per_sample;
+    // The density around is known from so many samples only.
+    opening.expected = expected(around * std::log1p(std::max(0.0, weight) / around) /
+                                opening.dispersion);
+    if (opening.expected > levels_.most_expected) {
+      return;
+    }
+    opening.open = opening.significance() <= levels_.significance;
+    if (opening.open) {
+      add_bridge(cluster);
+    }
+    found_.openings.push_back(std::move(opening));
+  }
+
+  void add_bridge(std::vector<Offset> bridge) {
+    std::vector<double> near;
+    for (const Offset s : bridge) {
+      seen_[s] = 1;
+    }
+    for (std::size_t i = 0; i < bridge.size(); ++i) {
+      const Index* simplex = simplices_[bridge[i]];
+      for (int j = 0; j < arity_; ++j) {
+        const Index v = simplex[j];
+        for (const Index* s = stars_.begin(v); s != stars_.end(v); ++s) {
+          if (seen_[*s] == 0 && shared(simplex, simplices_[*s]) == dim_ &&
+              relative_radius(simplices_[*s],
+                              ruler_.measure(simplices_[*s], arity_).circumradius,
+                              near) > kNextToBridge * chance_.large_radius) {
+            seen_[*s] = 1;
+            bridge.push_back(*s);
+          }
+        }
+      }
+    }
+    for (const Offset s : bridge) {
+      seen_[s] = 0;
+    }
+    found_.bridges.insert(found_.bridges.end(), bridge.begin(), bridge.end());
+  }
+
+  /// As far as it differs from 1 by more than the ring leaves open.
+  double dispersion_of(double variation, double around) const {
+    const double found = variation / chance_.variation;
+    const double open = kDispersionErrors * 2 / std::sqrt(around);
+    const double beyond =
+        found > 1 ? std::max(1.0, found - open) : std::min(1.0, found + open);
+    return std::max(kLeastDispersion, beyond);
+  }
+
+  int shared(const Index* a, const Index* b) const {
+    int count = 0;
+    for (int i = 0; i < arity_; ++i) {
+      count += std::find(b, b + arity_, a[i]) != b + arity_ ? 1 : 0;
+    }
+    return count;
+  }
+
+  /// The way along a curve from an end, away from the other end of its edge.
+  struct Way {
+    Index last = -1;
+    Index middle = -1;
+    int steps = 0;
+    double length = 0;
+  };
+  Way way_from(Index v, Index before) const {
+    Way way{v, v, 0, 0};
+    while (way.steps < kJointSteps) {
+      Index after = -1;
+      for (const Index* s = stars_.begin(way.last); s != stars_.end(way.last); ++s) {
+        const Index* edge = simplices_[*s];
+        const Index other = edge[0] == way.last ? edge[1] : edge[0];
+        after = other != before ? other : after;
+      }
+      if (after < 0 || after == v) {
+        break;
+      }
+      way.length += std::sqrt(samples_.squared_distance(way.last, after));
+      before = way.last;
+      way.last = after;
+      ++way.steps;
+      way.middle = way.steps == kJointSteps / 2 ? after : way.middle;
+    }
+    return way;
+  }
+
+  void find_joints() {
+    make_stars();
+    std::vector<Offset> known = found_.bridges;
+    std::sort(known.begin(), known.end());
+    for (Offset e = 0; e < simplices_.size(); ++e) {
+      const Index a = simplices_[e][0];
+      const Index b = simplices_[e][1];
+      const double length = std::sqrt(samples_.squared_distance(a, b));
+      if (stars_.size(a) > 2 || stars_.size(b) > 2 ||
+          !(length > kJoint * shortest_at(a, b)) ||
+          std::binary_search(known.begin(), known.end(), e)) {
+        continue;
+      }
+      const Way from = way_from(a, b);
+      const Way to = way_from(b, a);
+      if (from.steps < kJointSteps || to.steps < kJointSteps) {
+        continue;
+      }
+      const double mean = (from.length + to.length) / (from.steps + to.steps);
+      if (length <= kJoint * mean || !is_straight(a, from) || !is_straight(b, to)) {
+        continue;
+      }
+      // What both sides turn by themselves they go on turning.
+      const double turn = angle(from.last, a, b, to.last);
+      const double own = angle(from.last, from.middle, from.middle, a) +
+                         angle(b, to.middle, to.middle, to.last);
+      if (turn <= kMostTurn + own) {
+        continue;
+      }
+      Opening joint;
+      joint.kind = OpeningKind::kJoint;
+      joint.open = true;
+      joint.samples = {a, b};
+      joint.num_simplices = 1;
+      joint.volume = length;
+      joint.spacing = mean;
+      joint.missing = length / mean - 1;
+      joint.expected = samples_.size() * std::exp(-length / mean);
+      found_.openings.push_back(std::move(joint));
+      found_.bridges.push_back(e);
+    }
+  }
+
+  bool is_straight(Index end, const Way& way) const {
+    return std::sqrt(samples_.squared_distance(end, way.last)) > kStraight * way.length;
+  }
+
+  /// Between the vectors from a to b and from c to d.
+  double angle(Index a, Index b, Index c, Index d) const {
+    const double product =
+        samples_.inner_product(a, b, d) - samples_.inner_product(a, b, c);
+    const double lengths = std::sqrt(samples_.squared_distance(a, b)) *
+                           std::sqrt(samples_.squared_distance(c, d));
+    return lengths > 0 ? std::acos(std::clamp(product / lengths, -1.0, 1.0)) : 0;
+  }
+
+  /// Of the edges at a and b, but for the one between them.
+  double shortest_at(Index a, Index b) const {
+    double shortest = std::numeric_limits<double>::infinity();
+    for (const auto& [v, other] : {std::pair(a, b), std::pair(b, a)}) {
+      for (const Index* s = stars_.begin(v); s != stars_.end(v); ++s) {
+        const Index* edge = simplices_[*s];
+        const Index next = edge[0] == v ? edge[1] : edge[0];
+        if (next != other) {
+          shortest = std::min(shortest, samples_.squared_distance(v, next));
+        }
+      }
+    }
+    return std::sqrt(shortest);
+  }
+
+  /// Of independent samples the inner scale is this share of the other, or less.
+  static constexpr double kInsideOverScale = 0.9;
+
+  const Samples& samples_;
+  const Neighborhoods& neighborhoods_;
+  const SimplexArray& simplices_;
+  const OpeningLevels& levels_;
+  const Execution& execution_;
+  SimplexRuler ruler_;
+  int arity_;
+  int dim_;
+  const Chance& chance_;
+  std::vector<std::uint8_t> large_;            // simplices
+  std::vector<std::vector<Offset>> clusters_;  // of large ones
+  Csr stars_;                                  // simplices at each sample
+  std::vector<std::uint8_t> seen_;             // simplices; 0 between uses
+  std::vector<std::uint8_t> reached_;          // samples; 0 between uses
+  WeighedOpenings found_;
+};
+
+}  // namespace
+
+double Opening::significance() const { return -std::expm1(-expected); }
+
+namespace detail {
+
+WeighedOpenings weigh_openings(const Samples& samples,
+                               const Neighborhoods& neighborhoods,
+                               const std::vector<double>& scales,
+                               const SimplexArray& simplices,
+                               const OpeningLevels& levels,
+                               const Execution& execution) {
+  const int dim = simplices.arity - 1;
+  if (dim < 1 || dim > kMaxOpeningDim || simplices.size() == 0 ||
+      neighborhoods.count == 0) {
+    return {};
+  }
+  return OpeningFinder(samples, neighborhoods, scales, simplices, levels, execution)
+      .run();
+}
+
+}  // namespace detail
+}  // namespace remanifold
