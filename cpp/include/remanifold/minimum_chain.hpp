@@ -52,8 +52,9 @@ struct ChainFill {
   std::vector<std::uint8_t> open;  ///< of each cavity: has facets left open
   std::vector<Index> open_facets;  ///< by cavity, ascending within each
   Index searched = 0;              ///< cavities searched through
-  Index programs = 0;              ///< cavities solved as linear programs
+  Index programs = 0;              ///< cavities and windows solved as linear programs
   Index cut = 0;                   ///< cavities cut into windows, each a program
+  Index largest_program = 0;       ///< its candidates
   Index integer_programs = 0;      ///< and as integer programs
   Index unsolved = 0;              ///< neither search nor solver came to an end
 };

@@ -184,6 +184,8 @@ class ChainSolver {
   std::vector<Index> solve(const detail::CavityPart& part,
                            const std::vector<Signs>& choices) {
     execution_.poll();
+    fill_.largest_program =
+        std::max(fill_.largest_program, static_cast<Index>(part.num_candidates()));
     return part.arity() == 2 ? solve_degrees(part) : solve_oriented(part, choices);
   }
 
