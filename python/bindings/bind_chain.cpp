@@ -66,6 +66,8 @@ py::dict fill(const InputArray<double>& points, const InputArray<Index>& fixed,
   out["num_cut"] = result.chain.cut;
   out["num_programs"] = result.chain.programs;
   out["num_integer_programs"] = result.chain.integer_programs;
+  out["num_refills"] = result.chain.refills;
+  out["num_refilled"] = result.chain.refilled;
   out["largest_program"] = result.chain.largest_program;
   out["num_unsolved"] = result.chain.unsolved;
   return out;
@@ -80,12 +82,13 @@ void bind_chain(py::module_& module) {
       "fill_cavities",
       [](const InputArray<double>& points, const InputArray<Index>& fixed,
          const InputArray<Index>& candidates, double hole_radius,
-         Index search_candidates, Index largest_program, Index window,
+         Index search_candidates, Index largest_program, Index window, Index refill,
          const py::object& solve, int num_threads, const py::object& progress) {
         ChainOptions options;
         options.search_candidates = search_candidates;
         options.largest_program = largest_program;
         options.window = window;
+        options.refill = refill;
         return fill(points, fixed, candidates, hole_radius, options, solve, num_threads,
                     progress);
       },
@@ -93,8 +96,8 @@ void bind_chain(py::module_& module) {
       arg("candidates").noconvert(), py::kw_only(), arg("hole_radius"),
       arg("search_candidates") = defaults.search_candidates,
       arg("largest_program") = defaults.largest_program,
-      arg("window") = defaults.window, arg("solve"), arg("num_threads"),
-      arg("progress"));
+      arg("window") = defaults.window, arg("refill") = defaults.refill, arg("solve"),
+      arg("num_threads"), arg("progress"));
 }
 
 }  // namespace remanifold::python

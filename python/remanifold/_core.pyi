@@ -128,6 +128,7 @@ def fill_cavities(
     search_candidates: int = ...,
     largest_program: int = ...,
     window: int = ...,
+    refill: int = ...,
     solve: _Solver | None,
     num_threads: int,
     progress: _Progress,

@@ -531,7 +531,7 @@ class ManifoldBuilder {
       }
       Opening& part = parts[part_of[root]];
       part.samples.push_back(unused[i]);
-      if (neighborhoods_.count > 0) {
+      if (near > 0) {
         part.spacing += std::sqrt(
             samples_.squared_distance(unused[i], neighborhoods_.of(unused[i])[0]));
       }
