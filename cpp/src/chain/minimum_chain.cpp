@@ -125,9 +125,6 @@ class ChainSolver {
         windows->decide(part, chosen, orientation ? &*orientation : nullptr);
         filling.insert(filling.end(), chosen.begin(), chosen.end());
       }
-      if (refill) {
-        refill->run(cavity, solver_, execution_, filling);
-      }
       keep(filling);
       if (orientation) {
         orientation->forget();
