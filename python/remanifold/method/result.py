@@ -170,15 +170,12 @@ class ReconstructionData(ComplexData):
         """The same: samples in no simplex count."""
         return self.num_samples
 
-    @property
-    def left_out(self) -> NDArray[np.int32]:
-        """Outliers, and samples that are no points."""
-        return np.concatenate([self.outliers, self.invalid])
-
     @functools.cached_property
     def left_out(self) -> NDArray[np.int32]:
-        """`outliers` and `attached`: samples that no simplex is meant to have."""
-        left_out = np.union1d(self.outliers, self.attached).astype(np.int32)
+        """Samples of `outliers`, `invalid` and `attached`: no simplex is to have them."""
+        left_out = np.unique(
+            np.concatenate([self.outliers, self.invalid, self.attached])
+        )
         left_out.flags.writeable = False
         return left_out
 

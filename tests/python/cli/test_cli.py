@@ -190,9 +190,9 @@ def test_json_of_the_manifold_method(tmp_path):
     report = json.loads(result.stdout)
     assert set(report) == KEYS
     assert {key for key, value in report.items() if value is None} == {
-        *PAPER_ONLY,
-        "smoothing",
+        *PAPER_ONLY
     }
+    assert report["smoothing"]["num_neighbors"] == 0  # nothing was moved
     assert (report["method"], report["estimator"]) == ("manifold", "jet")
     assert report["boundary"] == "auto"
     assert 1 < report["hole_radius"] < 5
