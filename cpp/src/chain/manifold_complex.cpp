@@ -524,8 +524,10 @@ class ManifoldBuilder {
       }
       Opening& part = parts[part_of[root]];
       part.samples.push_back(unused[i]);
-      part.spacing += std::sqrt(
-          samples_.squared_distance(unused[i], neighborhoods_.of(unused[i])[0]));
+      if (neighborhoods_.count > 0) {
+        part.spacing += std::sqrt(
+            samples_.squared_distance(unused[i], neighborhoods_.of(unused[i])[0]));
+      }
     }
     for (Opening& part : parts) {
       if (static_cast<int>(part.samples.size()) > arity_) {

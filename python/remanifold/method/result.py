@@ -172,10 +172,9 @@ class ReconstructionData(ComplexData):
 
     @functools.cached_property
     def left_out(self) -> NDArray[np.int32]:
-        """Samples of `outliers`, `invalid` and `attached`: no simplex is to have them."""
-        left_out = np.unique(
-            np.concatenate([self.outliers, self.invalid, self.attached])
-        )
+        """`outliers`, `invalid` and `attached`: what no simplex is meant to have."""
+        parts = (self.outliers, self.invalid, self.attached)
+        left_out = np.unique(np.concatenate(parts)).astype(np.int32)
         left_out.flags.writeable = False
         return left_out
 

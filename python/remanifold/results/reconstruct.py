@@ -23,10 +23,10 @@ from remanifold.formats.writing import check_fields
 from remanifold.method.cleaning import as_points, smoothing_of
 from remanifold.method.dimension import find_dimension
 from remanifold.method.dropping import INVALID, filled, finite_rows, number_as_given
+from remanifold.method.openings import openings_of
 from remanifold.method.options import CHECKS, Options
 from remanifold.method.programs import solve_program
 from remanifold.method.steps import EdgeSets, Stars, warn_of_recall
-from remanifold.method.openings import openings_of
 from remanifold.results.reconstruction import Reconstruction
 from remanifold.warnings import ManifoldWarning
 
