@@ -519,7 +519,7 @@ def _noise_signs(
     elif doubted and smoothing is None and isinstance(found.samples, Points):
         options = _core.Options(dim=rec.dim, smooth=True, only_noise=True)
         kept = np.ones(rec.num_samples, dtype=bool)
-        kept[rec.outliers] = False
+        kept[rec.left_out] = False
         report = _core.clean(
             found.samples.subset(kept), options, num_threads=0, progress=None
         )

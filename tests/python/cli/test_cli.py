@@ -352,7 +352,7 @@ def test_options_reach_the_library(tori, tmp_path, monkeypatch):
         "boundary": "auto",
         "hole_radius": None,
         "outliers": None,
-        "smooth": False,
+        "smooth": None,
         "num_neighbors": None,
         "estimator": None,
         "edges": None,
@@ -433,7 +433,7 @@ def test_version_and_help():
     assert "[auto|closed]" in shown
     assert re.findall(r"\[default: \(?(.*?)\)?[;\]]", shown) == [
         *("manifold", "auto", "by how evenly the samples lie"),
-        *("auto, or keep for paper", "no"),
+        *("auto, or keep for paper", "auto, or no for paper"),
         *(
             "3 K (K + 3) / 2, or 10 K for paper",
             "jet, or enclosure for paper",
