@@ -189,9 +189,7 @@ def test_json_of_the_manifold_method(tmp_path):
     assert result.exit_code == 0
     report = json.loads(result.stdout)
     assert set(report) == KEYS
-    assert {key for key, value in report.items() if value is None} == {
-        *PAPER_ONLY
-    }
+    assert {key for key, value in report.items() if value is None} == {*PAPER_ONLY}
     assert report["smoothing"]["num_neighbors"] == 0  # nothing was moved
     assert (report["method"], report["estimator"]) == ("manifold", "jet")
     assert report["boundary"] == "auto"
