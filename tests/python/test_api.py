@@ -101,6 +101,7 @@ def test_arrays_have_their_shapes(dim, kind):
         "representatives": ((n,), np.int32),
         "outliers": ((0,), np.int32),
         "invalid": ((0,), np.int32),
+        "attached": ((0,), np.int32),
     }
     if kind == "points":
         expected["vertices"] = ((n, d), np.float64)
