@@ -18,7 +18,7 @@ namespace {
 
 /// Holes with more vertices are not refilled: all simplices on them are candidates.
 constexpr std::size_t kMostVertices = 12;
-constexpr Index kSearchSteps = 20000;
+constexpr Index kSearchSteps = 2000;
 /// Above, links are large, and to judge one takes as long as the rest of the method.
 constexpr int kMostDim = 4;
 /// Looks at one vertex, at most.
