@@ -475,6 +475,7 @@ class ManifoldBuilder {
         detail::weigh_openings(samples_, neighborhoods_, scales_, result_.simplices,
                                {options_.significance, kMostExpected}, execution_);
     list_openings(std::move(found.openings));
+    keep_certain(found.bridges);
     if (found.bridges.empty()) {
       return false;
     }
@@ -494,6 +495,26 @@ class ManifoldBuilder {
       fill_opened();
     }
     return true;
+  }
+
+  /// Next to a bridge, what would be fixed with a hole_radius of kOpenedRadius stays: a
+  /// cluster reaches into the manifold where that is sampled thinly.
+  void keep_certain(std::vector<Offset>& bridges) {
+    if (bridges.empty()) {
+      return;
+    }
+    const double certain = options_.hole_share * kOpenedRadius;
+    SimplexArray agreed = fixed_;
+    agreed.vertices.resize(static_cast<std::size_t>(num_agreed_) * arity_);
+    bridges.erase(
+        std::remove_if(bridges.begin(), bridges.end(),
+                       [&](Offset s) {
+                         const Index* simplex = result_.simplices[s];
+                         return ruler_.measure(simplex, arity_).circumradius <=
+                                    certain * ruler_.scale(simplex, arity_) &&
+                                detail::find_row(agreed, simplex) >= 0;
+                       }),
+        bridges.end());
   }
 
   /// Samples in no simplex that are next to each other: too few for a manifold of their

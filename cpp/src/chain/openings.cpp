@@ -189,6 +189,11 @@ class OpeningFinder {
                                             levels_.most_expected;
                                    }),
                     clusters_.end());
+    for (const std::vector<Offset>& cluster : clusters_) {
+      for (const Offset s : cluster) {
+        large_[s] = kCandidate;
+      }
+    }
   }
 
   /// More than the ring will say: by the density that the inner scale stands for.
@@ -231,7 +236,8 @@ class OpeningFinder {
     }
   }
 
-  /// Simplices around the cluster that are not large, whole layers of stars at a time.
+  /// Simplices around the cluster that are not large, whole layers of stars at a time,
+  /// through large ones as well that are no candidates.
   std::vector<Offset> ring_of(const std::vector<Offset>& cluster) {
     make_stars();
     const auto wanted =
@@ -250,14 +256,15 @@ class OpeningFinder {
       reach(s);
     }
     std::vector<Offset> ring;
+    std::vector<Offset> passed;
     for (std::size_t begin = 0; ring.size() < wanted && begin < reached.size();) {
       const std::size_t end = reached.size();
       for (; begin < end; ++begin) {
         const Index v = reached[begin];
         for (const Index* s = stars_.begin(v); s != stars_.end(v); ++s) {
-          if (large_[*s] == 0 && seen_[*s] == 0) {
+          if (large_[*s] != kCandidate && seen_[*s] == 0) {
             seen_[*s] = 1;
-            ring.push_back(*s);
+            (large_[*s] == 0 ? ring : passed).push_back(*s);
             reach(*s);
           }
         }
@@ -266,8 +273,10 @@ class OpeningFinder {
     for (const Index v : reached) {
       reached_[v] = 0;
     }
-    for (const Offset s : ring) {
-      seen_[s] = 0;
+    for (const std::vector<Offset>* simplices : {&ring, &passed}) {
+      for (const Offset s : *simplices) {
+        seen_[s] = 0;
+      }
     }
     return ring;
   }
@@ -476,7 +485,8 @@ class OpeningFinder {
   int arity_;
   int dim_;
   const Chance& chance_;
-  std::vector<std::uint8_t> large_;            // simplices
+  static constexpr std::uint8_t kCandidate = 2;
+  std::vector<std::uint8_t> large_;            // simplices; 0, 1 or kCandidate
   std::vector<std::vector<Offset>> clusters_;  // of large ones
   Csr stars_;                                  // simplices at each sample
   std::vector<std::uint8_t> seen_;             // simplices; 0 between uses

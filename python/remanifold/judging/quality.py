@@ -183,7 +183,7 @@ _CURVES = _Limits(
     some_opening=0,
     gap=-4,
     some_gap=-2,
-    rare_gap=0.05,
+    rare_gap=0.15,
     some_ratio=2.45,
     some_confidence=0.4,
     scatter=0.4,
@@ -204,7 +204,7 @@ _SURFACES = _Limits(
     some_opening=1.0,
     gap=-2.3,
     some_gap=-0.7,
-    rare_gap=0.05,
+    rare_gap=0.08,
     some_ratio=2.0,
     some_confidence=0.3,
 )
@@ -223,7 +223,7 @@ _THREE = _Limits(
     some_opening=0.5,
     gap=-2.3,
     some_gap=-1,
-    rare_gap=0.05,
+    rare_gap=0.08,
     some_ratio=2.25,
     some_confidence=0.25,
 )
@@ -242,7 +242,7 @@ _MORE = _Limits(
     some_opening=0.3,
     gap=-2.3,
     some_gap=-1,
-    rare_gap=0.05,
+    rare_gap=0.08,
     some_ratio=2.25,
     some_confidence=0.25,
 )
