@@ -420,7 +420,7 @@ class ManifoldBuilder {
                     result_.simplices, execution_);
     }
     mend();
-    for (int round = 0; by_evidence_ && round < kOpeningRounds; ++round) {
+    for (int round = 0; round < kOpeningRounds; ++round) {
       if (!open_by_evidence()) {
         break;
       }
@@ -468,12 +468,13 @@ class ManifoldBuilder {
     report.outliers = std::move(insertion.outliers);
   }
 
-  /// Takes out what bridges openings that chance does not explain.
+  /// Takes out what bridges openings that chance does not explain; where another rule
+  /// decides they are only listed.
   /// \returns whether there are any
   bool open_by_evidence() {
-    detail::WeighedOpenings found =
-        detail::weigh_openings(samples_, neighborhoods_, scales_, result_.simplices,
-                               {options_.significance, kMostExpected}, execution_);
+    detail::WeighedOpenings found = detail::weigh_openings(
+        samples_, neighborhoods_, scales_, result_.simplices,
+        {by_evidence_ ? options_.significance : 0, kMostExpected}, execution_);
     list_openings(std::move(found.openings));
     keep_certain(found.bridges);
     if (found.bridges.empty()) {
@@ -500,7 +501,7 @@ class ManifoldBuilder {
   /// Next to a bridge, what would be fixed with a hole_radius of kOpenedRadius stays: a
   /// cluster reaches into the manifold where that is sampled thinly.
   void keep_certain(std::vector<Offset>& bridges) {
-    if (bridges.empty()) {
+    if (bridges.empty() || dim_ == 1) {
       return;
     }
     const double certain = options_.hole_share * kOpenedRadius;

@@ -83,6 +83,7 @@ class OpeningFinder {
         simplices_(simplices),
         levels_(levels),
         execution_(execution),
+        scales_(scales),
         ruler_(samples, scales),
         arity_(simplices.arity),
         dim_(simplices.arity - 1),
@@ -135,10 +136,19 @@ class OpeningFinder {
     return sum > 0 ? radius * arity_ / sum : 0;
   }
 
+  double least_scale(const Index* simplex) const {
+    double least = scales_[simplex[0]];
+    for (int i = 1; i < arity_; ++i) {
+      least = std::min(least, scales_[simplex[i]]);
+    }
+    return least;
+  }
+
   void find_large() {
     const Offset count = simplices_.size();
     large_.assign(count, 0);
-    // The scale is too large by less than this at a rim.
+    // The scale is too large by less than this at a rim; at a small part far away, whose
+    // neighbors are elsewhere, it says nothing, but that of the other side does.
     const double screen =
         chance_.large_radius * std::pow(0.5, 1.0 / dim_) * kInsideOverScale;
     detail::for_each_block_uncounted(
@@ -148,7 +158,7 @@ class OpeningFinder {
             const Index* simplex = simplices_[s];
             const double radius = ruler_.measure(simplex, arity_).circumradius;
             large_[s] =
-                radius > screen * ruler_.scale(simplex, arity_) &&
+                radius > screen * least_scale(simplex) &&
                         relative_radius(simplex, radius, near) > chance_.large_radius
                     ? 1
                     : 0;
@@ -481,6 +491,7 @@ class OpeningFinder {
   const SimplexArray& simplices_;
   const OpeningLevels& levels_;
   const Execution& execution_;
+  const std::vector<double>& scales_;
   SimplexRuler ruler_;
   int arity_;
   int dim_;

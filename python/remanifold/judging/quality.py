@@ -719,12 +719,15 @@ def _openings(found: _Findings) -> Iterator[_Sign]:
     dim = found.dim
     sphere = 2 * math.pi ** (dim / 2) / math.gamma(dim / 2)
     share = (size / sphere) ** (1 / (dim - 1)) / radius
-    # Where samples are missing beyond doubt the width does not matter.
+    # Where samples are missing beyond doubt the width does not matter, unless a single
+    # simplex would close the rim.
     sure = np.zeros(len(found.own), dtype=bool)
     for opening in found.openings:
         if opening.decision == "open" and found.is_sure(opening):
             sure[opening.samples] = True
-    share[np.bincount(sets, sure[faces].all(axis=1)) > np.bincount(sets) / 2] = np.inf
+    count = np.bincount(sets)
+    known = np.bincount(sets, sure[faces].all(axis=1)) > count / 2
+    share[known & (count > dim + 1)] = np.inf
     limits = found.limits
     strong = bool((share < limits.opening).any())
     narrow = share < (limits.opening if strong else limits.some_opening)

@@ -434,7 +434,7 @@ def test_version_and_help():
     assert "[manifold|paper]" in shown
     assert "[auto|closed]" in shown
     assert re.findall(r"\[default: \(?(.*?)\)?[;\]]", shown) == [
-        *("manifold", "auto", "by how evenly the samples lie"),
+        *("manifold", "auto", "by how evenly the samples lie", "0.001"),
         *("auto, or keep for paper", "no"),
         *(
             "3 K (K + 3) / 2, or 10 K for paper",
