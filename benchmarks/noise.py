@@ -320,7 +320,8 @@ def main(
     best: Annotated[
         bool,
         typer.Option(
-            "--best", help="Compare with the best size that knowing the truth would tell."
+            "--best",
+            help="Compare with the best size that knowing the truth would tell.",
         ),
     ] = False,
     jobs: JobsOption = None,

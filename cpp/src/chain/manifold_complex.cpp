@@ -281,10 +281,7 @@ class ManifoldBuilder {
     }
     const ChainFill chain = fill_cavities(cavities, fixed_, samples_.size(),
                                           options_.chain, solver_, execution_);
-    result_.report.cavities += chain.searched + chain.programs;
-    result_.report.programs += chain.programs;
-    result_.report.integer_programs += chain.integer_programs;
-    result_.report.unsolved += chain.unsolved;
+    count_programs(cavities, chain);
 
     // What stays open is up for choice again, with what is near.
     std::vector<std::uint8_t> open_again(cavities.energies.size(), 0);
@@ -317,6 +314,16 @@ class ManifoldBuilder {
         detail::append_row(fixed_, cavities.candidates[c]);
       }
     }
+  }
+
+  void count_programs(const Cavities& cavities, const ChainFill& chain) {
+    ManifoldReport& report = result_.report;
+    report.cavities += cavities.count();
+    report.cut += chain.cut;
+    report.programs += chain.programs;
+    report.integer_programs += chain.integer_programs;
+    report.largest_program = std::max(report.largest_program, chain.largest_program);
+    report.unsolved += chain.unsolved;
   }
 
   /// Within kRings edges of a facet that stays open, and samples in no simplex there.
@@ -593,6 +600,7 @@ class ManifoldBuilder {
     }
     const ChainFill chain = fill_cavities(cavities, result_.simplices, samples_.size(),
                                           options_.chain, solver_, execution_);
+    count_programs(cavities, chain);
     for (const Index c : chain.chosen) {
       detail::append_row(result_.simplices, cavities.candidates[c]);
     }

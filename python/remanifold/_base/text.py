@@ -16,6 +16,7 @@ def rounded(value: float) -> float:
     """Four digits of a number, for people."""
     return float(f"{value:.4g}")
 
+
 def two_digits(number: float) -> int:
     """Round a number of samples up to two digits: it is a guess."""
     unit = int(10 ** max(0, math.floor(math.log10(number)) - 1))

@@ -12,8 +12,8 @@ import numpy as np
 
 from remanifold import _core
 from remanifold._base.read_only import ReadOnlyArrays
-from remanifold._base.text import two_digits
 from remanifold._base.samples import Points
+from remanifold._base.text import two_digits
 from remanifold.judging.singularities import singularities_of
 
 if TYPE_CHECKING:

@@ -25,7 +25,7 @@ NUMBERS = frozenset(
         *("simplices", "edges", "edge_set_indices", "star_simplices"),
         *("tangent_simplices", "representatives", "outliers", "singular_vertices"),
         *("disputed_simplices", "filled_simplices", "open_faces", "callous_faces"),
-        *("inserted_vertices", "unused_vertices", "attached"),
+        *("inserted_vertices", "unused_vertices", "attached", "samples"),
     )
 )
 # Those with a row for each sample, and what it is for one that was left out.
@@ -69,7 +69,8 @@ def number_as_given(
         result["tangents"] = _core.tangent_bases(
             given.matrix, *frames, num_threads=0, progress=None
         )
-    for part in (result, result.get("repair", {}), result["cleaning"]):
+    parts = (result, result.get("repair", {}), result["cleaning"])
+    for part in (*parts, *result.get("openings", ())):
         for name, array in part.items():
             if isinstance(array, np.ndarray):
                 part[name] = _as_given(name, array, rows, count)
