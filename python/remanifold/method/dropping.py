@@ -74,8 +74,6 @@ def number_as_given(
         for name, array in part.items():
             if isinstance(array, np.ndarray):
                 part[name] = _as_given(name, array, rows, count)
-    for opening in result.get("openings", []):
-        opening["samples"] = rows.astype(np.int32)[opening["samples"]]
     # A sample that was left out is like no other.
     alone = result["representatives"] < 0
     result["representatives"][alone] = np.flatnonzero(alone)

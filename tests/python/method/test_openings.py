@@ -261,9 +261,7 @@ def test_invalid_samples_and_copies_keep_their_numbers():
     points = cap(np.random.default_rng(0))
     bare = reconstruct(points, 2, smooth=False)
     holes = np.full((2, 3), np.nan)
-    rec = reconstruct(
-        np.concatenate([holes, points]), 2, invalid="drop", smooth=False
-    )
+    rec = reconstruct(np.concatenate([holes, points]), 2, invalid="drop", smooth=False)
     copied = reconstruct(np.concatenate([points, points[:7]]), 2, smooth=False)
     assert bare.openings
     for one, other, again in zip(
