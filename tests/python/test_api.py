@@ -101,6 +101,7 @@ def test_arrays_have_their_shapes(dim, kind):
         "representatives": ((n,), np.int32),
         "outliers": ((0,), np.int32),
         "invalid": ((0,), np.int32),
+        "attached": ((0,), np.int32),
     }
     if kind == "points":
         expected["vertices"] = ((n, d), np.float64)
@@ -592,7 +593,9 @@ def results():
     yield from (tangents, regions, regions.edge_sets, regions.stars)
     yield from (rm.neighborhoods(sample(2), 4), rm.estimate_dimension(sample(2)))
     yield rm.SimplicialComplex(sample(2), [[0, 1, 2]])
-    yield from rm.reconstruct(rm.datasets.spherical_cap(100, random_state=0), 2).openings
+    yield from rm.reconstruct(
+        rm.datasets.spherical_cap(100, random_state=0), 2
+    ).openings
 
 
 def test_reprs_are_one_line():

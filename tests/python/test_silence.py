@@ -39,7 +39,7 @@ def noisy(tmp_path_factory):
 
 def test_a_reconstruction_prints_nothing():
     code = NOISY + (
-        "rec = rm.reconstruct(points, 2)\n"
+        "rec = rm.reconstruct(points, 2, smooth=False)\n"
         "assert rec.repair.num_programs > 0\n"
         "rec.topology(), rec.quality, repr(rec), rec.geodesic_distances(0)\n"
     )
@@ -65,7 +65,7 @@ def test_what_others_print_meanwhile_arrives():
         "talker = threading.Thread(target=talk)\n"
         "talker.start()\n"
         "with ThreadPoolExecutor(2) as pool:\n"
-        "    list(pool.map(lambda p: rm.reconstruct(p, 2), [points, -points]))\n"
+        "    list(pool.map(lambda p: rm.reconstruct(p, 2, smooth=False), [points, -points]))\n"
         "done.set(); talker.join()\n"
         "print('lines', lines)\n"
     )
@@ -79,7 +79,8 @@ def test_what_others_print_meanwhile_arrives():
 
 
 def command(*arguments):
-    return run(sys.executable, "-m", "remanifold", *map(str, arguments))
+    command = ("-m", "remanifold", *map(str, arguments), "--smooth", "no")
+    return run(sys.executable, *command)
 
 
 def test_a_mesh_on_standard_output_is_all_there_is(noisy, tmp_path):

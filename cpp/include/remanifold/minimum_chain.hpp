@@ -46,8 +46,8 @@ struct ChainOptions {
   /// cost less a candidate, and windows of 500 begin to leave more open than those of 1000.
   Index window = 1000;
   /// Candidates around a facet that was left open which are chosen from again without
-  /// orientation; 0: that is not tried.
-  Index refill = 400;
+  /// orientation, in cavities that are one program; 0: that is not tried.
+  Index refill = 100;
 };
 
 struct ChainFill {

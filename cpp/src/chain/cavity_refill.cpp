@@ -11,6 +11,8 @@ namespace {
 
 /// Of the energy there: less is rounding.
 constexpr double kBetter = 1e-9;
+/// Neighborhoods of one cavity.
+constexpr Index kMost = 8;
 
 }  // namespace
 
@@ -143,7 +145,8 @@ void CavityRefill::run(Index cavity, const ProgramSolver& solver,
       open.insert(*f);
     }
   }
-  while (!open.empty()) {
+  const Index most = num_programs_ + kMost;
+  while (!open.empty() && num_programs_ < most) {
     const Index facet = *open.begin();
     open.erase(open.begin());
     if (cofaces_[facet] != 1 || tried_[facet] != 0) {

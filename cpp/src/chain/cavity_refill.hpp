@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A filling is tried to be bettered where it left facets open: signs of rims that no walk
-// connects are a guess, and what windows chose one after the other need not fit. Around
+// connects are a guess. Around
 // such a facet the cavity is filled again by an integer program that knows no orientation,
 // with everything outside as it is; what costs less is taken. A large neighborhood search
 // (Shaw, Using constraint programming and local search methods to solve vehicle routing

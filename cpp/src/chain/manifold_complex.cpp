@@ -23,6 +23,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <utility>
 
 namespace remanifold {
 namespace {
@@ -94,7 +95,9 @@ class ManifoldBuilder {
     pool_.vertices.insert(pool_.vertices.end(), large_.vertices.begin(),
                           large_.vertices.end());
     // Each time with more candidates, for what is still open.
+    const Index refill = std::exchange(options_.chain.refill, 0);
     fill(false);
+    options_.chain.refill = refill;
     // A wider choice offers fillings without orientation; programs see that.
     options_.chain.search_candidates = 0;
     for (int widening = 0; widening < 2 && !open_region_.empty(); ++widening) {

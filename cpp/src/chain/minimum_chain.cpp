@@ -102,10 +102,9 @@ class ChainSolver {
       refill.emplace(cavities_, options_.refill);
     }
     for (const Index cavity : large_) {
-      std::vector<Index> filling;
       if (cavities_.candidates_in.size(cavity) <= options_.largest_program) {
         const detail::CavityPart part = detail::whole_cavity(cavities_, cavity);
-        filling =
+        std::vector<Index> filling =
             solve(part, orientation ? choices(part, *orientation) : own_signs(part));
         if (refill) {
           refill->run(cavity, solver_, execution_, filling);
@@ -123,12 +122,8 @@ class ChainSolver {
         const std::vector<Index> chosen =
             solve(part, orientation ? signs_near(part, *orientation) : own_signs(part));
         windows->decide(part, chosen, orientation ? &*orientation : nullptr);
-        filling.insert(filling.end(), chosen.begin(), chosen.end());
+        keep(chosen);
       }
-      if (refill) {
-        refill->run(cavity, solver_, execution_, filling);
-      }
-      keep(filling);
       if (orientation) {
         orientation->forget();
       }

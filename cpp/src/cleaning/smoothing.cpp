@@ -33,7 +33,8 @@ constexpr Index kFewestProbes = 24;
 constexpr Index kMostProbes = 100;
 constexpr int kLevelsAtOnce = 4;
 /// The test that tells clean samples: two sizes, at a few probes and some more where there
-/// are many samples.
+/// are many samples. A smaller one says how far off they are at most.
+constexpr int kNarrowest = 1;
 constexpr int kNarrow = 3;
 constexpr int kWide = 5;
 constexpr Index kTestProbes = 12;
@@ -173,6 +174,7 @@ class Fitter {
 struct Level {
   Index count = 0;
   double scatter = 0;    // about the quadrics
+  double typical = 0;    // the median of that
   double gain = 0;       // variance of a foot over that of a sample
   double bias = 0;       // of the feet
   double growth = 0;     // of the root of the scatter since half the size
@@ -204,7 +206,7 @@ class Smoother {
 
   Smoothing run(const NeighborSearch& search) {
     Smoothing result;
-    const Choice choice = choose(search);
+    const Choice choice = samples_.size() > unknowns_ ? choose(search) : Choice{};
     result.noise = std::sqrt(choice.noise);
     result.prediction_error = std::sqrt(choice.noise + choice.risk);
     result.remaining_error = result.noise;
@@ -319,10 +321,15 @@ class Smoother {
       }
       level.nearest = median(std::move(nearest));
       std::vector<double> growths;
+      std::vector<double> scatters;
       for (Index i = 0; i < probes; ++i) {
         const At& one = at[static_cast<std::size_t>(i) * num_levels + k];
         growths.push_back(one.growth > 0 ? one.growth : kEverywhere);
+        if (one.scatter >= 0) {
+          scatters.push_back(one.scatter);
+        }
       }
+      level.typical = median(std::move(scatters));  // NaN where no fit says
       level.growth = median(std::move(growths));
       if (k >= half) {
         const double excess =
@@ -338,15 +345,17 @@ class Smoother {
     const Index size = samples_.size();
     const Index few = std::min(size, kTestProbes + size / kSamplesPerTestProbe);
     const std::vector<Level> test =
-        measure(search, kNarrow, kWide, kWide - kNarrow, few);
-    choice.noise = test[0].scatter;
-    choice.risk = test[0].scatter * test[0].gain;
-    choice.gain = test[0].gain;
-    choice.radius = test[0].radius;
-    choice.num_neighbors = test[0].count;
-    const double nearest = test[1].nearest;
-    const bool clean = test[1].ties > kMostTies || !(test[1].growth < kShapeGrowth) ||
-                       !(std::sqrt(test[1].scatter) > kLeastNoise * nearest);
+        measure(search, kNarrowest, kWide, kNarrow - kNarrowest, few);
+    // Where it is not noise, most of it is that of a few probes at creases and between
+    // sheets.
+    choice.noise = test[0].typical;
+    choice.risk = choice.noise * test[0].gain;
+    choice.gain = test[1].gain;
+    choice.radius = test[1].radius;
+    choice.num_neighbors = test[1].count;
+    const double nearest = test[2].nearest;
+    const bool clean = test[2].ties > kMostTies || !(test[2].growth < kShapeGrowth) ||
+                       !(std::sqrt(test[2].scatter) > kLeastNoise * nearest);
     if (clean && options_.only_noise) {
       return choice;
     }
@@ -406,6 +415,10 @@ class Smoother {
                    choice.num_neighbors >= kLeastNoisySize * unknowns_ &&
                    choice.risk < kWorthIt * kWorthIt * choice.noise &&
                    std::sqrt(choice.noise) > kLeastNoise * nearest;
+    if (!choice.noisy && options_.only_noise) {
+      choice.noise = std::min(choice.noise, test[0].typical);
+      choice.risk = choice.noise * test[0].gain;
+    }
     const double one_way =
         std::sqrt(choice.noise / std::max(1, samples_.ambient_dim() - options_.dim));
     choice.drowning =

@@ -224,8 +224,9 @@ def reconstruct_samples(
         vertices = samples.matrix.view() if smoothing is None else smoothing.points
     attached = result["cleaning"]["attached"]
     if vertices is not None and len(attached) and len(result["simplices"]):
-        at_resolution = ComplexData(vertices, result["simplices"])
         vertices = vertices.copy()
+        # Samples that are no points are in no simplex.
+        at_resolution = ComplexData(np.nan_to_num(vertices), result["simplices"])
         vertices[attached] = project(
             at_resolution, vertices[attached], num_threads=threads or None
         ).points

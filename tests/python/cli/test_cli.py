@@ -189,10 +189,8 @@ def test_json_of_the_manifold_method(tmp_path):
     assert result.exit_code == 0
     report = json.loads(result.stdout)
     assert set(report) == KEYS
-    assert {key for key, value in report.items() if value is None} == {
-        *PAPER_ONLY,
-        "smoothing",
-    }
+    assert {key for key, value in report.items() if value is None} == {*PAPER_ONLY}
+    assert report["smoothing"]["num_neighbors"] == 0  # nothing was moved
     assert (report["method"], report["estimator"]) == ("manifold", "jet")
     assert report["boundary"] == "auto"
     assert 1 < report["hole_radius"] < 5
@@ -353,7 +351,7 @@ def test_options_reach_the_library(tori, tmp_path, monkeypatch):
         "hole_radius": None,
         "significance": None,
         "outliers": None,
-        "smooth": False,
+        "smooth": None,
         "num_neighbors": None,
         "estimator": None,
         "edges": None,
@@ -435,7 +433,7 @@ def test_version_and_help():
     assert "[auto|closed]" in shown
     assert re.findall(r"\[default: \(?(.*?)\)?[;\]]", shown) == [
         *("manifold", "auto", "by how evenly the samples lie", "0.001"),
-        *("auto, or keep for paper", "no"),
+        *("auto, or keep for paper", "auto, or no for paper"),
         *(
             "3 K (K + 3) / 2, or 10 K for paper",
             "jet, or enclosure for paper",

@@ -125,7 +125,7 @@ def test_noise_is_what_was_added(noise):
     sphere = datasets.sphere(2000, random_state=0)
     spacing = np.median(reconstruct(sphere, 2).quality.spacing)
     moves = np.random.default_rng(1).normal(0, noise * spacing, 2000)
-    q = reconstruct(sphere * (1 + moves)[:, None], 2).quality
+    q = reconstruct(sphere * (1 + moves)[:, None], 2, smooth=False).quality
     assert q.noise == pytest.approx(noise, rel=0.15, abs=1e-3)
 
 
@@ -309,7 +309,7 @@ def test_two_sheets(distance, ok):
     points = np.random.default_rng(0).uniform(size=(600, 3))
     spacing = np.median(reconstruct(points[:300, :2], 2).quality.spacing)
     points[:, 2] = np.repeat([0, distance * spacing], 300)
-    q = reconstruct(points, 2).quality
+    q = reconstruct(points, 2, smooth=False).quality
     assert q.ok == ok, str(q)
     assert any("far along the result" in r.text for r in q.reasons) == (not ok)
 
@@ -353,10 +353,15 @@ def test_an_opening_that_chance_could_have_left_is_named():
 def test_noise_is_no_reason():
     points = datasets.sphere(1500, random_state=0)
     moves = np.random.default_rng(1).normal(0, 0.15 * 0.1, 1500)  # 0.15 spacings
-    rec = reconstruct(points * (1 + moves)[:, None], 2)
+    points *= (1 + moves)[:, None]
+    rec = reconstruct(points, 2, smooth=False)
     assert rec.topology().betti_numbers == (1, 0, 1)
     assert rec.quality.noise > 0.1
     assert rec.quality.ok, str(rec.quality)
+    smoothed = reconstruct(points, 2)
+    assert smoothed.smoothing.noise == pytest.approx(0.015, rel=0.1)
+    assert smoothed.quality.noise < 0.02
+    assert smoothed.quality.ok, str(smoothed.quality)
 
 
 def test_the_chance_of_gaps_is_that_of_a_poisson_process():
