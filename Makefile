@@ -42,8 +42,8 @@ SOURCES := CMakeLists.txt README.md pyproject.toml $(shell find cpp python tests
 
 .NOTPARALLEL:
 .PHONY: all demo check test test-cpp test-python test-consumers test-lowest test-newest \
-  smoke constraints bench bench-docs bench-steps side-by-side side-by-side-docs docs \
-  wheel lint format system-packages clean distclean
+  smoke constraints bench bench-docs bench-hard hard bench-steps side-by-side \
+  side-by-side-docs docs wheel lint format system-packages clean distclean
 
 all: $(PACKAGE)
 
@@ -110,6 +110,14 @@ side-by-side-docs: $(PACKAGE)
 	  --into docs/benchmarks.md
 	$(BIN)/python benchmarks/plot_growth.py --cpu $(BUILD)/torus.json \
 	  -o docs/figures/side_by_side.svg
+
+# Noise, raw scans, lattices: make bench-hard ARGS='"raw range scan"'
+bench-hard:
+	+$(MAKE) $(BENCH) hard
+
+hard: $(PACKAGE)
+	$(BIN)/python -m pip install -q meshlib
+	$(BIN)/python benchmarks/hard.py --driver $(BUILD)/benchmarks/remanifold_peers $(ARGS)
 
 # The steps one by one. make bench-steps ARGS="--shape sphere3 --samples 10000,20000"
 bench-steps: $(PACKAGE)

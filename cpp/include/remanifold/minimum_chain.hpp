@@ -38,7 +38,7 @@ struct ChainOptions {
   Index search_candidates = 40;
   /// Steps of a search after which the cavity becomes a program; where there is no solver
   /// the best filling found by then is taken.
-  Index search_steps = 4000;
+  Index search_steps = 500;
   /// The largest program that is ever built has so many candidates. Larger cavities are cut
   /// into windows.
   Index largest_program = 4000;

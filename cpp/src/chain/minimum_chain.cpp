@@ -104,9 +104,10 @@ class ChainSolver {
     for (const Index cavity : large_) {
       if (cavities_.candidates_in.size(cavity) <= options_.largest_program) {
         const detail::CavityPart part = detail::whole_cavity(cavities_, cavity);
-        std::vector<Index> filling =
-            solve(part, orientation ? choices(part, *orientation) : own_signs(part));
-        if (refill) {
+        bool guessed = false;
+        std::vector<Index> filling = solve(
+            part, orientation ? choices(part, *orientation, guessed) : own_signs(part));
+        if (refill && guessed) {
           refill->run(cavity, solver_, execution_, filling);
         }
         keep(filling);
@@ -153,13 +154,17 @@ class ChainSolver {
   }
 
   /// The likely signs of a whole cavity, and where that is cheap all others.
+  /// \param guessed  set where there are others
   static std::vector<Signs> choices(const detail::CavityPart& part,
-                                    detail::RimOrientation& orientation) {
+                                    detail::RimOrientation& orientation,
+                                    bool& guessed) {
     const auto rims = orientation.orient(rims_of(part));
     const Signs likely = detail::relative_signs(part, rims);
+    guessed = !rims.certain;
     if (rims.num_groups <= kFewGroups && part.num_candidates() <= kFewCandidates) {
       return all_signs(part, likely, rims);
     }
+    guessed = guessed || rims.num_groups > 1;
     return {likely};
   }
 

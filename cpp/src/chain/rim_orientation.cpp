@@ -40,19 +40,20 @@ RimOrientation::Signs RimOrientation::orient(const std::vector<FacetNumber>& rim
   Signs result;
   result.sign.resize(rims.size());
   result.group.assign(rims.size(), -1);
-  std::vector<Index> patches;
-  for (const FacetNumber f : rims) {
-    patches.push_back(patches_.patch[f / arity_]);
-  }
-  sort_unique(patches);
-  for (const Index patch : patches) {
-    std::vector<std::size_t> own;
-    for (std::size_t i = 0; i < rims.size(); ++i) {
-      if (patches_.patch[rims[i] / arity_] == patch) {
-        own.push_back(i);
-      }
-    }
+  const auto patch_of = [&](std::size_t i) { return patches_.patch[rims[i] / arity_]; };
+  std::vector<std::size_t> by_patch(rims.size());
+  std::iota(by_patch.begin(), by_patch.end(), std::size_t{0});
+  std::stable_sort(by_patch.begin(), by_patch.end(), [&](std::size_t a, std::size_t b) {
+    return patch_of(a) < patch_of(b);
+  });
+  std::vector<std::size_t> own;
+  for (auto begin = by_patch.begin(); begin != by_patch.end(); begin += own.size()) {
+    const Index patch = patch_of(*begin);
+    own.assign(begin, std::find_if(begin, by_patch.end(), [&](std::size_t i) {
+                 return patch_of(i) != patch;
+               }));
     if (patches_.orientable[patch] == 0) {
+      result.certain = false;
       orient_by_walking(rims, own, std::numeric_limits<std::size_t>::max(), result);
       continue;
     }

@@ -23,6 +23,7 @@ class RimOrientation {
     std::vector<std::int8_t> sign;
     std::vector<Index> group;
     Index num_groups = 0;
+    bool certain = true;  // within groups: no patch is without orientation
   };
   Signs orient(const std::vector<FacetNumber>& rims);
   /// The same by what is near: walks from the rims take no more than `most` steps, and
