@@ -430,7 +430,7 @@ class ManifoldBuilder {
                     result_.simplices, execution_);
     }
     mend();
-    for (int round = 0; by_evidence_ && round < kOpeningRounds; ++round) {
+    for (int round = 0; round < kOpeningRounds; ++round) {
       if (!open_by_evidence()) {
         break;
       }
@@ -478,13 +478,15 @@ class ManifoldBuilder {
     report.outliers = std::move(insertion.outliers);
   }
 
-  /// Takes out what bridges openings that chance does not explain.
+  /// Takes out what bridges openings that chance does not explain; where another rule
+  /// decides they are only listed.
   /// \returns whether there are any
   bool open_by_evidence() {
-    detail::WeighedOpenings found =
-        detail::weigh_openings(samples_, neighborhoods_, scales_, result_.simplices,
-                               {options_.significance, kMostExpected}, execution_);
+    detail::WeighedOpenings found = detail::weigh_openings(
+        samples_, neighborhoods_, scales_, result_.simplices,
+        {by_evidence_ ? options_.significance : 0, kMostExpected}, execution_);
     list_openings(std::move(found.openings));
+    keep_certain(found.bridges);
     if (found.bridges.empty()) {
       return false;
     }
@@ -504,6 +506,26 @@ class ManifoldBuilder {
       fill_opened();
     }
     return true;
+  }
+
+  /// Next to a bridge, what would be fixed with a hole_radius of kOpenedRadius stays: a
+  /// cluster reaches into the manifold where that is sampled thinly.
+  void keep_certain(std::vector<Offset>& bridges) {
+    if (bridges.empty() || dim_ == 1) {
+      return;
+    }
+    const double certain = options_.hole_share * kOpenedRadius;
+    SimplexArray agreed = fixed_;
+    agreed.vertices.resize(static_cast<std::size_t>(num_agreed_) * arity_);
+    bridges.erase(
+        std::remove_if(bridges.begin(), bridges.end(),
+                       [&](Offset s) {
+                         const Index* simplex = result_.simplices[s];
+                         return ruler_.measure(simplex, arity_).circumradius <=
+                                    certain * ruler_.scale(simplex, arity_) &&
+                                detail::find_row(agreed, simplex) >= 0;
+                       }),
+        bridges.end());
   }
 
   /// Samples in no simplex that are next to each other: too few for a manifold of their

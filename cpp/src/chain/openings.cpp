@@ -83,6 +83,7 @@ class OpeningFinder {
         simplices_(simplices),
         levels_(levels),
         execution_(execution),
+        scales_(scales),
         ruler_(samples, scales),
         arity_(simplices.arity),
         dim_(simplices.arity - 1),
@@ -135,10 +136,19 @@ class OpeningFinder {
     return sum > 0 ? radius * arity_ / sum : 0;
   }
 
+  double least_scale(const Index* simplex) const {
+    double least = scales_[simplex[0]];
+    for (int i = 1; i < arity_; ++i) {
+      least = std::min(least, scales_[simplex[i]]);
+    }
+    return least;
+  }
+
   void find_large() {
     const Offset count = simplices_.size();
     large_.assign(count, 0);
-    // The scale is too large by less than this at a rim.
+    // The scale is too large by less than this at a rim; at a small part far away, whose
+    // neighbors are elsewhere, it says nothing, but that of the other side does.
     const double screen =
         chance_.large_radius * std::pow(0.5, 1.0 / dim_) * kInsideOverScale;
     detail::for_each_block_uncounted(
@@ -148,7 +158,7 @@ class OpeningFinder {
             const Index* simplex = simplices_[s];
             const double radius = ruler_.measure(simplex, arity_).circumradius;
             large_[s] =
-                radius > screen * ruler_.scale(simplex, arity_) &&
+                radius > screen * least_scale(simplex) &&
                         relative_radius(simplex, radius, near) > chance_.large_radius
                     ? 1
                     : 0;
@@ -189,6 +199,11 @@ class OpeningFinder {
                                             levels_.most_expected;
                                    }),
                     clusters_.end());
+    for (const std::vector<Offset>& cluster : clusters_) {
+      for (const Offset s : cluster) {
+        large_[s] = kCandidate;
+      }
+    }
   }
 
   /// More than the ring will say: by the density that the inner scale stands for.
@@ -231,7 +246,8 @@ class OpeningFinder {
     }
   }
 
-  /// Simplices around the cluster that are not large, whole layers of stars at a time.
+  /// Simplices around the cluster that are not large, whole layers of stars at a time,
+  /// through large ones as well that are no candidates.
   std::vector<Offset> ring_of(const std::vector<Offset>& cluster) {
     make_stars();
     const auto wanted =
@@ -250,14 +266,15 @@ class OpeningFinder {
       reach(s);
     }
     std::vector<Offset> ring;
+    std::vector<Offset> passed;
     for (std::size_t begin = 0; ring.size() < wanted && begin < reached.size();) {
       const std::size_t end = reached.size();
       for (; begin < end; ++begin) {
         const Index v = reached[begin];
         for (const Index* s = stars_.begin(v); s != stars_.end(v); ++s) {
-          if (large_[*s] == 0 && seen_[*s] == 0) {
+          if (large_[*s] != kCandidate && seen_[*s] == 0) {
             seen_[*s] = 1;
-            ring.push_back(*s);
+            (large_[*s] == 0 ? ring : passed).push_back(*s);
             reach(*s);
           }
         }
@@ -266,8 +283,10 @@ class OpeningFinder {
     for (const Index v : reached) {
       reached_[v] = 0;
     }
-    for (const Offset s : ring) {
-      seen_[s] = 0;
+    for (const std::vector<Offset>* simplices : {&ring, &passed}) {
+      for (const Offset s : *simplices) {
+        seen_[s] = 0;
+      }
     }
     return ring;
   }
@@ -472,11 +491,13 @@ class OpeningFinder {
   const SimplexArray& simplices_;
   const OpeningLevels& levels_;
   const Execution& execution_;
+  const std::vector<double>& scales_;
   SimplexRuler ruler_;
   int arity_;
   int dim_;
   const Chance& chance_;
-  std::vector<std::uint8_t> large_;            // simplices
+  static constexpr std::uint8_t kCandidate = 2;
+  std::vector<std::uint8_t> large_;            // simplices; 0, 1 or kCandidate
   std::vector<std::vector<Offset>> clusters_;  // of large ones
   Csr stars_;                                  // simplices at each sample
   std::vector<std::uint8_t> seen_;             // simplices; 0 between uses

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -216,6 +217,8 @@ def _report(rec: rm.Reconstruction) -> dict[str, Any]:
         "unused_samples": len(repair.unused_vertices),
         "coface_counts": {str(n): f for n, f in topology.coface_counts.items()},
         "hole_radius": repair.hole_radius if manifold else None,
+        "significance": rec.significance if manifold else None,
+        "openings": [_opening(one) for one in rec.openings] if manifold else None,
         "agreed_simplices": repair.num_agreed if manifold else None,
         "disputed_simplices": len(repair.disputed_simplices) if manifold else None,
         "filled_simplices": len(repair.filled_simplices) if manifold else None,
@@ -239,6 +242,33 @@ def _report(rec: rm.Reconstruction) -> dict[str, Any]:
             "report": seconds_topology + seconds_repair + seconds_quality,
         },
     }
+
+
+def _opening(opening: rm.Opening) -> dict[str, Any]:
+    return {
+        "kind": opening.kind,
+        "decision": opening.decision,
+        "radius": opening.radius,
+        "spacing": opening.spacing,
+        "missing_samples": opening.missing,
+        "significance": opening.significance,
+        "samples": opening.samples.tolist(),
+    }
+
+
+def _openings_text(openings: list[dict[str, Any]]) -> str:
+    """Counts, and the closest decision."""
+    counts = Counter(f"{one['kind']}s {one['decision']}" for one in openings)
+    lines = [", ".join(f"{count:,} {what}" for what, count in counts.items())]
+    weighed = [one for one in openings if one["kind"] != "part" and one["spacing"] > 0]
+    if weighed:
+        one = weighed[0]
+        lines.append(
+            f"closest: a {one['kind']} of {2 * one['radius'] / one['spacing']:.1f} "
+            f"spacings at sample {one['samples'][0]:,}, {one['decision']}, "
+            f"significance {one['significance']:.2g}"
+        )
+    return "\n".join(lines)
 
 
 def _smoothing_report(smoothing: rm.Smoothing | None) -> dict[str, Any] | None:
@@ -345,6 +375,11 @@ def _table(report: dict[str, Any]) -> Table:
             {}
             if report["hole_radius"] is None
             else {"hole radius": f"{report['hole_radius']:.3g}"}
+        ),
+        **(
+            {"openings": _openings_text(report["openings"])}
+            if report["openings"]
+            else {}
         ),
         f"{faces} by {simplices}": ", ".join(
             f"{number:,} in {n}" for n, number in report["coface_counts"].items()

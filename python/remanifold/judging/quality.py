@@ -183,7 +183,7 @@ _CURVES = _Limits(
     some_opening=0,
     gap=-4,
     some_gap=-2,
-    rare_gap=0.05,
+    rare_gap=0.15,
     some_ratio=2.45,
     some_confidence=0.4,
     scatter=0.4,
@@ -204,7 +204,7 @@ _SURFACES = _Limits(
     some_opening=1.0,
     gap=-2.3,
     some_gap=-0.7,
-    rare_gap=0.05,
+    rare_gap=0.08,
     some_ratio=2.0,
     some_confidence=0.3,
 )
@@ -223,7 +223,7 @@ _THREE = _Limits(
     some_opening=0.5,
     gap=-2.3,
     some_gap=-1,
-    rare_gap=0.05,
+    rare_gap=0.08,
     some_ratio=2.25,
     some_confidence=0.25,
 )
@@ -242,7 +242,7 @@ _MORE = _Limits(
     some_opening=0.3,
     gap=-2.3,
     some_gap=-1,
-    rare_gap=0.05,
+    rare_gap=0.08,
     some_ratio=2.25,
     some_confidence=0.25,
 )
@@ -719,12 +719,15 @@ def _openings(found: _Findings) -> Iterator[_Sign]:
     dim = found.dim
     sphere = 2 * math.pi ** (dim / 2) / math.gamma(dim / 2)
     share = (size / sphere) ** (1 / (dim - 1)) / radius
-    # Where samples are missing beyond doubt the width does not matter.
+    # Where samples are missing beyond doubt the width does not matter, unless a single
+    # simplex would close the rim.
     sure = np.zeros(len(found.own), dtype=bool)
     for opening in found.openings:
         if opening.decision == "open" and found.is_sure(opening):
             sure[opening.samples] = True
-    share[np.bincount(sets, sure[faces].all(axis=1)) > np.bincount(sets) / 2] = np.inf
+    count = np.bincount(sets)
+    known = np.bincount(sets, sure[faces].all(axis=1)) > count / 2
+    share[known & (count > dim + 1)] = np.inf
     limits = found.limits
     strong = bool((share < limits.opening).any())
     narrow = share < (limits.opening if strong else limits.some_opening)

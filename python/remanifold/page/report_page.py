@@ -137,6 +137,7 @@ def _page(rec: JudgedReconstruction, title: str, command: str | None) -> str:
             "</div><div>",
             parts.repair(rec),
             "</div></div>",
+            parts.openings(rec),
             parts.histograms(rec),
             parts.doubt(rec),
             parts.how(rec, command),

@@ -151,6 +151,47 @@ def repair(rec: JudgedReconstruction) -> str:
     return section("repair", "What repair did", *parts)
 
 
+def openings(rec: JudgedReconstruction) -> str:
+    """List where samples may be missing and what was decided there."""
+    if not rec.openings:
+        return section(
+            "openings",
+            "Openings",
+            paragraph("No place where more samples are missing than chance explains."),
+        )
+    head = ("what", "decision", "radius", "in spacings", "samples missing")
+    head += ("significance", "near sample")
+    rows = [
+        (
+            opening.kind,
+            opening.decision,
+            number(opening.radius) if opening.kind != "part" else "",
+            number(opening.radius / opening.spacing)
+            if opening.kind != "part" and opening.spacing > 0
+            else "",
+            number(opening.missing) if opening.kind != "part" else "",
+            number(opening.significance) if opening.kind != "part" else "",
+            f"{opening.samples[0]:,}",
+        )
+        for opening in rec.openings[:MOST_PLACES]
+    ]
+    parts = [
+        paragraph(
+            "Where samples may be missing, the closest decisions first. What is less "
+            f"likely by chance than {rec.significance:g}, in the whole data, is open: "
+            "with that below, or from the significance in the table on, the decision "
+            "is the other one.",
+            "faint",
+        )
+    ]
+    if len(rec.openings) > MOST_PLACES:
+        parts.append(
+            paragraph(f"The first {MOST_PLACES} of {len(rec.openings):,}.", "faint")
+        )
+    parts.append(grid_table("Openings", head, rows))
+    return section("openings", "Openings", *parts)
+
+
 def histograms(rec: JudgedReconstruction) -> str:
     """Draw how samples and simplices are spread."""
     quality = rec.quality
@@ -309,7 +350,8 @@ def contents() -> Iterator[tuple[str, str]]:
     return iter(
         itertools.chain(
             [("picture-of-it", "Picture"), ("topology", "Topology")],
-            [("repair", "Repair"), ("histograms", "Histograms")],
+            [("repair", "Repair"), ("openings", "Openings")],
+            [("histograms", "Histograms")],
             [("doubt", "Doubt"), ("outliers", "Outliers"), ("how", "How")],
         )
     )

@@ -11,6 +11,7 @@ import numpy as np
 from remanifold._base.read_only import ReadOnlyArrays
 from remanifold._base.text import one_line
 from remanifold._base.validation import check_choice
+from remanifold.drawing.draw_openings import plot_openings
 from remanifold.formats.writing import fitting_fields, write_valid
 from remanifold.judging.judged import QUALITY_FIELDS, JudgedReconstruction
 from remanifold.page.report_page import write_report
@@ -102,6 +103,22 @@ class Reconstruction(JudgedReconstruction, SimplicialComplex):
             simplices=len(self.simplices),
             method=self.method,
         )
+
+    def plot_openings(self, screenshot: StrPath | None = None) -> Any:
+        """Draw the size of each place in `openings` over its evidence.
+
+        As in a persistence diagram, what is near the line was a close decision.
+
+        Parameters
+        ----------
+        screenshot : path-like, optional
+            File to write: an image as Matplotlib knows them.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+        """
+        return plot_openings(self.openings, self.significance, screenshot)
 
     def report(
         self,

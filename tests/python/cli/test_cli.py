@@ -31,13 +31,13 @@ KEYS = {
     *("open_faces", "callous_faces", "holes", "boundary_components"),
     *("singular_vertices", "sampling", "seconds", "warnings"),
     *("boundary", "hole_radius", "agreed_simplices", "disputed_simplices"),
-    *("filled_simplices", "inserted_samples"),
+    *("filled_simplices", "inserted_samples", "significance", "openings"),
     "unstarred_simplices",
 }
 PAPER_ONLY = {"edges", "unstarred_simplices"}
 MANIFOLD_ONLY = {
     *("boundary", "hole_radius", "agreed_simplices", "disputed_simplices"),
-    *("filled_simplices", "inserted_samples"),
+    *("filled_simplices", "inserted_samples", "significance", "openings"),
 }
 
 
@@ -432,7 +432,7 @@ def test_version_and_help():
     assert "[manifold|paper]" in shown
     assert "[auto|closed]" in shown
     assert re.findall(r"\[default: \(?(.*?)\)?[;\]]", shown) == [
-        *("manifold", "auto", "by how evenly the samples lie"),
+        *("manifold", "auto", "by how evenly the samples lie", "0.001"),
         *("auto, or keep for paper", "auto, or no for paper"),
         *(
             "3 K (K + 3) / 2, or 10 K for paper",

@@ -1,0 +1,311 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Openings by evidence: what is left open, and on what evidence."""
+
+import pickle
+import warnings
+
+import numpy as np
+import pytest
+
+import remanifold as rm
+from remanifold import datasets
+
+
+def reconstruct(*args, **options):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", rm.RemanifoldWarning)
+        return rm.reconstruct(*args, **options)
+
+
+def betti(rec):
+    return rec.topology().betti_numbers
+
+
+def count_right(build, dim, betti_numbers, seeds):
+    """How many samplings come out right, and how many are wrong without a doubt."""
+    right = silent = 0
+    for seed in range(seeds):
+        rec = reconstruct(build(np.random.default_rng(seed)), dim)
+        good = betti(rec)[: len(betti_numbers)] == betti_numbers
+        right += good
+        silent += not good and rec.quality.ok
+    return right, silent
+
+
+def square_with_hole(rng, num, missing):
+    """Samples of a square in space, a disc of so many removed from its middle."""
+    points = rng.uniform(-1, 1, size=(num, 2))
+    radius = np.sqrt(4 * missing / num / np.pi)
+    points = points[np.linalg.norm(points, axis=1) > radius]
+    return np.pad(points, [(0, 0), (0, 1)])
+
+
+# --- The kinds of openings ----------------------------------------------------------
+
+
+def cap(rng):
+    points = rng.normal(size=(600, 3))
+    points /= np.linalg.norm(points, axis=1, keepdims=True)
+    return points[points[:, 2] > -0.3][:100]
+
+
+def moebius_band(rng):
+    u, v = rng.random(150) * 2 * np.pi, rng.random(150) * 0.8 - 0.4
+    radius = 1 + v * np.cos(u / 2)
+    return np.c_[radius * np.cos(u), radius * np.sin(u), v * np.sin(u / 2)]
+
+
+def squares(rng, spacings=4.5):
+    points = rng.random((1000, 2))
+    height = np.where(np.arange(1000) % 2, spacings / np.sqrt(500), 0.0)
+    return np.c_[points, height]
+
+
+def rolled_sheet(rng):
+    angle = rng.random(1300) * (2 * np.pi - 0.45)
+    return np.c_[np.cos(angle), np.sin(angle), 3 * rng.random(1300)]
+
+
+def segments(rng, spacings=10):
+    x = rng.random(200)
+    return np.c_[x, np.where(np.arange(200) % 2, spacings / 100, 0)]
+
+
+def circle_with_a_gap(rng):
+    angle = 0.5 + rng.random(180) * (2 * np.pi - 0.5)
+    return np.c_[np.cos(angle), np.sin(angle)]
+
+
+def ball_with_a_cavity(rng):
+    points = rng.normal(size=(2500, 3))
+    points *= rng.random((2500, 1)) ** (1 / 3) / np.linalg.norm(points, axis=1)[:, None]
+    return points[np.linalg.norm(points, axis=1) > 0.45]
+
+
+KINDS = (
+    ("cap", cap, 2, (1, 0, 0)),
+    ("Moebius band", moebius_band, 2, (1, 1, 0)),
+    ("squares", squares, 2, (2, 0)),
+    ("rolled sheet", rolled_sheet, 2, (1, 0, 0)),
+    ("segments", segments, 1, (2, 0)),
+    ("circle with a gap", circle_with_a_gap, 1, (1, 0)),
+    ("ball with a cavity", ball_with_a_cavity, 3, (1, 0, 1)),
+)
+
+
+@pytest.mark.parametrize(
+    ("build", "dim", "betti_numbers"),
+    [pytest.param(*kind[1:], id=kind[0]) for kind in KINDS],
+)
+def test_openings_stay_open(build, dim, betti_numbers):
+    right, silent = count_right(build, dim, betti_numbers, 3)
+    assert right == 3
+    assert silent == 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("build", "dim", "betti_numbers"),
+    [pytest.param(*kind[1:], id=kind[0]) for kind in KINDS],
+)
+def test_openings_stay_open_in_nearly_all_samplings(build, dim, betti_numbers):
+    right, silent = count_right(build, dim, betti_numbers, 20)
+    assert right >= 19
+    assert silent <= 1
+
+
+@pytest.mark.parametrize("num", [6, 7, 9])
+@pytest.mark.parametrize("far", [5, 20, 100])
+def test_small_loops_are_kept_or_named(num, far):
+    """Loops of few samples, so many spacings from a circle of 400."""
+    step = 2 * np.pi / 400
+    angles = [np.arange(n) / n * 2 * np.pi for n in (400, num)]
+    circle, loop = (np.c_[np.cos(a), np.sin(a)] for a in angles)
+    radius = step * num / (2 * np.pi)
+    loop = radius * loop + [1 + far * step + radius, 0]
+    rec = reconstruct(np.concatenate([circle, loop]), 1)
+    parts = [one for one in rec.openings if one.kind == "part"]
+    assert betti(rec) == (2, 2) or (parts and not rec.quality.ok)
+    if parts:
+        assert {*parts[0].samples.tolist()} <= {*range(400, 400 + num)}
+        assert parts[0].decision == "left out"
+
+
+@pytest.mark.parametrize("num", [6, 8, 12, 16])
+def test_small_spheres_are_kept_or_named(num):
+    large = datasets.sphere(1000, random_state=0)
+    small = 0.06 * datasets.sphere(num, random_state=1) + [5, 0, 0]
+    rec = reconstruct(np.concatenate([large, small]), 2)
+    assert betti(rec)[0] == 2 or rec.openings[-1].kind == "part"
+    assert betti(rec) == (2, 0, 2) or not rec.quality.ok
+
+
+# --- What is closed stays closed ----------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "num"),
+    [
+        *(("sphere", 50), ("torus", 200), ("torus", 3000), ("klein_bottle", 400)),
+        *(("projective_plane", 150), ("uneven_double_torus", 2500), ("circle", 300)),
+        *(("uneven_torus", 4000), ("flat_torus_3", 1200), ("sphere_3", 400)),
+    ],
+)
+def test_nothing_is_opened_that_is_closed(name, num):
+    shape = datasets.SHAPES[name]
+    rec = reconstruct(shape.generate(num, random_state=20), shape.dim)
+    assert betti(rec) == shape.betti_numbers
+    assert not [one for one in rec.openings if one.decision != "closed"]
+
+
+@pytest.mark.parametrize("jitter", [0.0, 0.2])
+@pytest.mark.parametrize("dim", [1, 2, 3])
+def test_lattices_have_no_openings_within(dim, jitter):
+    width = {1: 200, 2: 25, 3: 10}[dim]
+    axes = np.meshgrid(*[np.arange(width)] * dim, indexing="ij")
+    points = np.stack(axes, axis=-1).reshape(-1, dim).astype(float)
+    points += jitter * np.random.default_rng(0).uniform(-1, 1, size=points.shape)
+    rec = reconstruct(np.pad(points, [(0, 0), (0, 1)]), dim)
+    assert betti(rec) == (1,) + (0,) * dim
+    assert not [one for one in rec.openings if one.decision == "open"]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_even_samples_show_smaller_openings(seed):
+    """A hole of 9 samples in a lattice is none that chance leaves; of 1,600 at random
+    it is nothing."""
+    width = np.arange(40.0)
+    lattice = np.stack(np.meshgrid(width, width), axis=-1).reshape(-1, 2)
+    lattice += np.random.default_rng(seed).uniform(-0.2, 0.2, size=lattice.shape)
+    away = np.linalg.norm(lattice - 19.6, axis=1) > 2.2
+    rec = reconstruct(np.pad(lattice[away], [(0, 0), (0, 1)]), 2, hole_radius=None)
+    assert rec.topology().boundary_components == 2
+    points = square_with_hole(np.random.default_rng(seed), 1600, 9)
+    assert reconstruct(points, 2).topology().boundary_components == 1
+
+
+# --- What is said of it -------------------------------------------------------------
+
+
+@pytest.mark.parametrize("missing", [30, 40])
+def test_missing_samples_and_size_are_those_of_the_hole(missing):
+    points = square_with_hole(np.random.default_rng(1), 4000, missing)
+    rec = reconstruct(points, 2)
+    (hole,) = (one for one in rec.openings if one.decision == "open")
+    assert hole.kind == "hole"
+    assert hole.missing == pytest.approx(missing, rel=0.35)
+    assert hole.spacing == pytest.approx(np.sqrt(4 / 4000), rel=0.15)
+    assert hole.radius == pytest.approx(np.sqrt(4 * missing / 4000 / np.pi), rel=0.25)
+    distances = np.linalg.norm(rec.vertices[hole.samples], axis=1)
+    assert distances.max() < hole.radius + 4 * hole.spacing
+    # That is the radius up to which a hole is open.
+    for factor, is_open in ((0.8, True), (1.6, False)):
+        again = reconstruct(points, 2, hole_radius=factor * hole.hole_radius)
+        assert (again.topology().boundary_components > 1) == is_open
+
+
+def test_the_closest_decision_comes_first():
+    rec = reconstruct(square_with_hole(np.random.default_rng(0), 3000, 30), 2)
+    margins = [
+        abs(np.log(max(one.significance, 1e-300) / rec.significance))
+        for one in rec.openings
+    ]
+    assert len(margins) > 1
+    assert margins == sorted(margins)
+
+
+@pytest.mark.parametrize("dim", [1, 2])
+def test_a_decision_flips_at_its_significance(dim):
+    if dim == 1:
+        points = datasets.circle(300, random_state=4)
+    else:
+        points = square_with_hole(np.random.default_rng(0), 3000, 14)
+    rec = reconstruct(points, dim)
+    found = [one for one in rec.openings if one.kind in ("gap", "hole")]
+    least = min(found, key=lambda one: one.significance)
+    assert least.decision == "closed"
+    rims = rec.repair.num_boundary_components
+    for factor, more in ((0.95, False), (1.05, True)):
+        again = reconstruct(points, dim, significance=factor * least.significance)
+        assert (again.repair.num_boundary_components > rims) == more
+
+
+def test_none_by_significance_zero_or_a_given_rule():
+    points = cap(np.random.default_rng(0))
+    assert betti(reconstruct(points, 2)) == (1, 0, 0)
+    for options in ({"significance": 0.0}, {"boundary": False}, {"hole_radius": 3.0}):
+        rec = reconstruct(points, 2, **options)
+        assert betti(rec) == (1, 0, 1)
+        # Closed all the same, and said.
+        least = min(rec.openings, key=lambda one: one.significance)
+        assert least.decision == "closed"
+        assert least.significance < 1e-3
+    assert reconstruct(points, 2, method="paper").openings == ()
+
+
+def test_the_same_in_other_units_and_for_products_and_threads():
+    points = square_with_hole(np.random.default_rng(2), 600, 40)
+    rec = reconstruct(points, 2, smooth=False)
+    large = reconstruct(1024 * points, 2, smooth=False)
+    for one, other in zip(rec.openings, large.openings, strict=True):
+        assert other.radius == pytest.approx(1024 * one.radius)
+        assert other.spacing == pytest.approx(1024 * one.spacing)
+        assert other.significance == pytest.approx(one.significance)
+    gram = reconstruct(gram=points @ points.T, dim=2)
+    assert [one.decision for one in gram.openings].count("open") == 1
+    several = reconstruct(points, 2, smooth=False, num_threads=3)
+    assert repr(several.openings) == repr(rec.openings)
+
+
+def test_invalid_samples_and_copies_keep_their_numbers():
+    points = cap(np.random.default_rng(0))
+    bare = reconstruct(points, 2, smooth=False)
+    holes = np.full((2, 3), np.nan)
+    rec = reconstruct(np.concatenate([holes, points]), 2, invalid="drop", smooth=False)
+    copied = reconstruct(np.concatenate([points, points[:7]]), 2, smooth=False)
+    assert bare.openings
+    for one, other, again in zip(
+        bare.openings, rec.openings, copied.openings, strict=True
+    ):
+        np.testing.assert_array_equal(other.samples, one.samples + 2)
+        np.testing.assert_array_equal(again.samples, one.samples)
+
+
+def test_openings_are_read_only_and_pickled():
+    rec = reconstruct(cap(np.random.default_rng(0)), 2)
+    one = rec.openings[0]
+    with pytest.raises(ValueError, match="read-only"):
+        one.samples[0] = 1
+    with pytest.raises(AttributeError):
+        one.decision = "closed"
+    assert repr(pickle.loads(pickle.dumps(rec)).openings) == repr(rec.openings)
+
+
+# --- Where it is shown --------------------------------------------------------------
+
+
+def test_the_diagram_has_a_point_for_each(tmp_path):
+    pytest.importorskip("matplotlib")
+    rec = reconstruct(square_with_hole(np.random.default_rng(0), 1500, 40), 2)
+    path = tmp_path / "openings.png"
+    figure = rec.plot_openings(path)
+    (axes,) = figure.axes
+    assert len(axes.collections) == len(rec.openings)
+    evidence = [c.get_offsets()[0, 0] for c in axes.collections]
+    line = -np.log10(rec.significance)
+    opened = [one.decision == "open" for one in rec.openings]
+    assert [e > line for e in evidence] == opened
+    assert path.stat().st_size > 1000
+    empty = reconstruct(datasets.torus(400, random_state=0), 2, method="paper")
+    assert not empty.plot_openings().axes[0].collections
+
+
+def test_the_page_lists_them(tmp_path):
+    pytest.importorskip("plotly")
+    path = tmp_path / "page.html"
+    rec = reconstruct(square_with_hole(np.random.default_rng(0), 1500, 40), 2)
+    rec.report(path)
+    page = path.read_text(encoding="utf-8")
+    section = page.partition('id="openings"')[2].partition("</section>")[0]
+    assert section.count("<tr><td>") == len(rec.openings)
+    assert "<td>hole</td><td>open</td>" in section
