@@ -133,8 +133,8 @@ bool LocalQuadric::find_frame(const Eigen::Ref<const Eigen::MatrixXd>& rows) {
   if (!(squares[0] > kDependentSquaredSine * squares[dim_ - 1])) {
     return false;
   }
-  wide_directions_ = static_cast<int>(
-      (squares.array() > kThin * kThin * squares[dim_ - 1]).count());
+  wide_directions_ =
+      static_cast<int>((squares.array() > kThin * kThin * squares[dim_ - 1]).count());
   frame_ = directions.transpose();
   return true;
 }

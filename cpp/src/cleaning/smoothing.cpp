@@ -411,7 +411,8 @@ class Smoother {
     const double nearest = test[2].nearest;
     choice.fitting_dim = dim_of(test);
     const bool thick = choice.fitting_dim > options_.dim;
-    const bool clean = choice.fitting_dim < options_.dim || test[2].ties > kMostTies || !(test[2].growth < kShapeGrowth) ||
+    const bool clean = choice.fitting_dim < options_.dim || test[2].ties > kMostTies ||
+                       !(test[2].growth < kShapeGrowth) ||
                        !(std::sqrt(test[2].scatter) > kLeastNoise * nearest);
     if (clean && !thick && options_.only_noise) {
       return choice;
