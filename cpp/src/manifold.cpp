@@ -77,6 +77,13 @@ std::vector<std::int8_t> orient(const Samples& samples, const SimplexArray& simp
   return signs;
 }
 
+/// Those of a fit, but no more than half of all samples: the others of a closed manifold are
+/// on its other side.
+Index few_neighbors(const Samples& samples, int dim) {
+  return std::min(jet_neighbors(dim),
+                  std::max<Index>(dim + 1, (samples.size() - 1) / 2));
+}
+
 /// The determinant of the edges from the first vertex, and the product of their lengths.
 std::pair<double, double> volume_of(const Samples& samples, const Index* simplex) {
   const int dim = samples.ambient_dim();
@@ -169,7 +176,8 @@ Reconstruction reconstruct(const Samples& given, const ReconstructOptions& optio
                            const ProgramSolver& solver, const Execution& execution) {
   const int dim = options.dim;
   const TangentOptions tangent{
-      dim, options.num_neighbors > 0 ? options.num_neighbors : jet_neighbors(dim),
+      dim,
+      options.num_neighbors > 0 ? options.num_neighbors : few_neighbors(given, dim),
       options.estimator.value_or(Estimator::kJet)};
   detail::CleanSamples clean(
       given, options, options.outlier_distance.value_or(kOutlierDistance), execution);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "arrays.hpp"
 #include "options.hpp"
+#include "program_solver.hpp"
 #include "run.hpp"
 
 #include <pybind11/stl.h>
@@ -149,34 +150,6 @@ py::dict paper(const Input& input, const ReconstructOptions& options, int num_th
   return out;
 }
 
-/// A Python function of the program's arrays and a function that says whether to stop;
-/// returns x, or an empty array.
-ProgramSolver program_solver(const py::object& function, const Execution& execution) {
-  if (function.is_none()) {
-    return {};
-  }
-  return [function = function.ptr(), &execution](const LinearProgram& program) {
-    const auto copy = [](const auto& values) {
-      using T = typename std::decay_t<decltype(values)>::value_type;
-      return py::array_t<T>(static_cast<py::ssize_t>(values.size()), values.data());
-    };
-    std::vector<double> x;
-    {
-      const py::gil_scoped_acquire acquire;
-      const py::cpp_function cancelled([&execution] {
-        return execution.progress != nullptr && execution.progress->cancel.load();
-      });
-      const py::object result = py::handle(function)(
-          copy(program.costs), copy(program.upper), copy(program.integral),
-          copy(program.row_lower), copy(program.row_upper), copy(program.offsets),
-          copy(program.columns), copy(program.values), cancelled);
-      x = to_vector(py::cast<InputArray<double>>(result));
-    }
-    execution.poll();
-    return x;
-  };
-}
-
 py::dict manifold(const Input& input, const ReconstructOptions& given,
                   const py::object& solve, const py::object& on_other_dim,
                   int num_threads, const py::object& progress) {
@@ -218,8 +191,10 @@ py::dict manifold(const Input& input, const ReconstructOptions& given,
   out["openings"] = openings_of(std::move(report.openings));
   repair["num_agreed"] = report.agreed;
   repair["num_cavities"] = report.cavities;
+  repair["num_cut_cavities"] = report.cut;
   repair["num_programs"] = report.programs;
   repair["num_integer_programs"] = report.integer_programs;
+  repair["largest_program"] = report.largest_program;
   repair["num_unsolved"] = report.unsolved;
   out["repair"] = repair;
   out["cleaning"] = to_dict(std::move(result.cleaning), input.columns());

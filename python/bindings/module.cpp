@@ -2,6 +2,7 @@
 #include <pybind11/pybind11.h>
 
 namespace remanifold::python {
+void bind_chain(pybind11::module_& module);
 void bind_constants(pybind11::module_& module);
 void bind_projection(pybind11::module_& module);
 void bind_quality(pybind11::module_& module);
@@ -15,6 +16,7 @@ PYBIND11_MODULE(_core, module) {
   module.attr("__version__") = REMANIFOLD_VERSION;
   remanifold::python::bind_constants(module);
   remanifold::python::bind_steps(module);
+  remanifold::python::bind_chain(module);
   remanifold::python::bind_reconstruct(module);
   remanifold::python::bind_topology(module);
   remanifold::python::bind_quality(module);

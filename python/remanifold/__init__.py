@@ -27,6 +27,7 @@ from remanifold.judging.quality import Quality, Reason
 from remanifold.judging.singularities import Place, Singularities, find_singularities
 from remanifold.method.cleaning import Smoothing, find_outliers, smooth
 from remanifold.method.dimension import DimensionEstimate, estimate_dimension
+from remanifold.method.openings import Opening
 from remanifold.method.result import Repair
 from remanifold.method.steps import (
     EdgeSets,
@@ -63,6 +64,7 @@ __all__ = [
     "LocalRegions",
     "ManifoldWarning",
     "Neighborhoods",
+    "Opening",
     "Place",
     "PointsOnComplex",
     "Projection",

@@ -119,6 +119,20 @@ def clique_complex(
     num_threads: int,
     progress: _Progress,
 ) -> NDArray[np.int32]: ...
+def fill_cavities(
+    points: NDArray[np.float64],
+    fixed: NDArray[np.int32],
+    candidates: NDArray[np.int32],
+    *,
+    hole_radius: float,
+    search_candidates: int = ...,
+    largest_program: int = ...,
+    window: int = ...,
+    refill: int = ...,
+    solve: _Solver | None,
+    num_threads: int,
+    progress: _Progress,
+) -> dict[str, Any]: ...
 def reconstruct(
     samples: _Samples,
     options: Options,

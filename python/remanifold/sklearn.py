@@ -55,7 +55,7 @@ class ManifoldReconstruction(OneToOneFeatureMixin, TransformerMixin, BaseEstimat
         K, the dimension of the manifold. "auto" takes that of `estimate_dimension`,
         which needs ten samples, and where the samples span no simplices of that
         dimension, the largest below of which they do.
-    method, boundary, hole_radius, outliers, smooth, num_neighbors
+    method, boundary, hole_radius, significance, outliers, smooth, num_neighbors
         As in `remanifold.reconstruct`.
     tangent_estimator : {"enclosure", "pca", "jet"}, optional
         `estimator` of `remanifold.reconstruct`.
@@ -91,6 +91,7 @@ class ManifoldReconstruction(OneToOneFeatureMixin, TransformerMixin, BaseEstimat
         method: Method = "manifold",
         boundary: Literal["auto", False] | ArrayLike = "auto",
         hole_radius: float | None = None,
+        significance: float | None = None,
         outliers: Literal["auto", False] | float | None = None,
         smooth: Literal["auto"] | bool | int | None = None,
         num_neighbors: int | None = None,
@@ -101,6 +102,7 @@ class ManifoldReconstruction(OneToOneFeatureMixin, TransformerMixin, BaseEstimat
         self.method = method
         self.boundary = boundary
         self.hole_radius = hole_radius
+        self.significance = significance
         self.outliers = outliers
         self.smooth = smooth
         self.num_neighbors = num_neighbors
@@ -150,6 +152,7 @@ class ManifoldReconstruction(OneToOneFeatureMixin, TransformerMixin, BaseEstimat
             method=self.method,
             boundary=self.boundary,
             hole_radius=self.hole_radius,
+            significance=self.significance,
             outliers=self.outliers,
             smooth=self.smooth,
             num_neighbors=self.num_neighbors,

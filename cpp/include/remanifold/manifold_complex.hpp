@@ -66,8 +66,11 @@ struct ManifoldReport {
   std::vector<Opening> openings;  ///< weighed by evidence, the least expected first
   Offset agreed = 0;              ///< star simplices that all their vertices have
   Index cavities = 0;
-  Index programs = 0;
-  Index integer_programs = 0;
+  Index cut = 0;       ///< cavities cut into windows, each a program
+  Index programs = 0;  ///< linear ones: of cavities, and of windows
+  Index integer_programs =
+      0;  ///< degrees of curves, and what a linear one left in parts
+  Index largest_program = 0;  ///< its candidates
   Index unsolved = 0;
 };
 

@@ -45,6 +45,9 @@ struct ChainOptions {
   /// Candidates of a window. Half of them are its core, which is decided on: smaller ones
   /// cost less a candidate, and windows of 500 begin to leave more open than those of 1000.
   Index window = 1000;
+  /// Candidates around a facet that was left open which are chosen from again without
+  /// orientation, in cavities that are one program; 0: that is not tried.
+  Index refill = 100;
 };
 
 struct ChainFill {
@@ -52,8 +55,11 @@ struct ChainFill {
   std::vector<std::uint8_t> open;  ///< of each cavity: has facets left open
   std::vector<Index> open_facets;  ///< by cavity, ascending within each
   Index searched = 0;              ///< cavities searched through
-  Index programs = 0;              ///< cavities solved as linear programs
+  Index programs = 0;              ///< cavities and windows solved as linear programs
   Index cut = 0;                   ///< cavities cut into windows, each a program
+  Index refills = 0;               ///< programs around facets that were left open
+  Index refilled = 0;              ///< of these, where energy fell
+  Index largest_program = 0;       ///< its candidates
   Index integer_programs = 0;      ///< and as integer programs
   Index unsolved = 0;              ///< neither search nor solver came to an end
 };

@@ -1,15 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where a complex bridges what may be an opening of the manifold, and how many samples
-// would be missing there if the manifold went through. Simplices whose empty balls are
-// larger than nearly all among independent samples are put into connected clusters (as
-// supra-threshold clusters are in the statistics of random fields: Friston et al.,
-// Assessing the significance of focal activations using their spatial extent, 1994), and
-// the excess of volume of a cluster is weighed against that of the simplices around it.
+// What is known of a place where a complex bridges what may be an opening of the manifold,
+// and of how many samples would be missing there if the manifold went through.
 #pragma once
 
-#include "remanifold/execution.hpp"
-#include "remanifold/neighborhoods.hpp"
-#include "remanifold/samples.hpp"
 #include "remanifold/types.hpp"
 
 #include <vector>
@@ -44,30 +37,7 @@ struct Opening {
   double significance() const;
 };
 
-struct OpeningOptions {
-  /// Openings no likelier than this to be among the data by chance are opened; 0: none.
-  double significance = 0;
-  /// Openings of which more than so many are to be expected are not listed.
-  double most_expected = 1;
-};
-
 /// The largest K that there is a test for: for others nothing is found.
 constexpr int kMaxOpeningDim = 3;
-
-struct FoundOpenings {
-  std::vector<Opening> openings;  ///< the least expected first
-  /// Rows of the simplices to take out, ascending: those of the open ones, and large ones
-  /// next to them.
-  std::vector<Offset> bridges;
-};
-
-/// Cost linear in the number of simplices.
-/// \param simplices  columns ascending
-/// \param scales     as from local_scales()
-FoundOpenings find_openings(const Samples& samples, const Neighborhoods& neighborhoods,
-                            const std::vector<double>& scales,
-                            const SimplexArray& simplices,
-                            const OpeningOptions& options,
-                            const Execution& execution = {});
 
 }  // namespace remanifold

@@ -14,6 +14,7 @@
 #include "remanifold/manifold_complex.hpp"
 #include "remanifold/minimum_chain.hpp"
 #include "remanifold/neighborhoods.hpp"
+#include "remanifold/openings.hpp"
 #include "remanifold/options.hpp"
 #include "remanifold/outliers.hpp"
 #include "remanifold/projection.hpp"

@@ -23,6 +23,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <utility>
 
 namespace remanifold {
 namespace {
@@ -94,7 +95,9 @@ class ManifoldBuilder {
     pool_.vertices.insert(pool_.vertices.end(), large_.vertices.begin(),
                           large_.vertices.end());
     // Each time with more candidates, for what is still open.
+    const Index refill = std::exchange(options_.chain.refill, 0);
     fill(false);
+    options_.chain.refill = refill;
     // A wider choice offers fillings without orientation; programs see that.
     options_.chain.search_candidates = 0;
     for (int widening = 0; widening < 2 && !open_region_.empty(); ++widening) {
@@ -281,10 +284,7 @@ class ManifoldBuilder {
     }
     const ChainFill chain = fill_cavities(cavities, fixed_, samples_.size(),
                                           options_.chain, solver_, execution_);
-    result_.report.cavities += chain.searched + chain.programs;
-    result_.report.programs += chain.programs;
-    result_.report.integer_programs += chain.integer_programs;
-    result_.report.unsolved += chain.unsolved;
+    count_programs(cavities, chain);
 
     // What stays open is up for choice again, with what is near.
     std::vector<std::uint8_t> open_again(cavities.energies.size(), 0);
@@ -317,6 +317,16 @@ class ManifoldBuilder {
         detail::append_row(fixed_, cavities.candidates[c]);
       }
     }
+  }
+
+  void count_programs(const Cavities& cavities, const ChainFill& chain) {
+    ManifoldReport& report = result_.report;
+    report.cavities += cavities.count();
+    report.cut += chain.cut;
+    report.programs += chain.programs;
+    report.integer_programs += chain.integer_programs;
+    report.largest_program = std::max(report.largest_program, chain.largest_program);
+    report.unsolved += chain.unsolved;
   }
 
   /// Within kRings edges of a facet that stays open, and samples in no simplex there.
@@ -524,7 +534,7 @@ class ManifoldBuilder {
       }
       Opening& part = parts[part_of[root]];
       part.samples.push_back(unused[i]);
-      if (neighborhoods_.count > 0) {
+      if (near > 0) {
         part.spacing += std::sqrt(
             samples_.squared_distance(unused[i], neighborhoods_.of(unused[i])[0]));
       }
@@ -571,6 +581,7 @@ class ManifoldBuilder {
     }
     const ChainFill chain = fill_cavities(cavities, result_.simplices, samples_.size(),
                                           options_.chain, solver_, execution_);
+    count_programs(cavities, chain);
     for (const Index c : chain.chosen) {
       detail::append_row(result_.simplices, cavities.candidates[c]);
     }

@@ -3,6 +3,7 @@
 
 #include "base/parallel.hpp"
 #include "chain/cavity_part.hpp"
+#include "chain/cavity_refill.hpp"
 #include "chain/cavity_search.hpp"
 #include "chain/chain_program.hpp"
 #include "chain/relative_signs.hpp"
@@ -96,10 +97,19 @@ class ChainSolver {
       orientation.emplace(fixed_, num_vertices_, execution_);
     }
     std::optional<detail::CavityWindows> windows;
+    std::optional<detail::CavityRefill> refill;
+    if (orientation && options_.refill > 0) {
+      refill.emplace(cavities_, options_.refill);
+    }
     for (const Index cavity : large_) {
       if (cavities_.candidates_in.size(cavity) <= options_.largest_program) {
         const detail::CavityPart part = detail::whole_cavity(cavities_, cavity);
-        keep(solve(part, orientation ? choices(part, *orientation) : own_signs(part)));
+        std::vector<Index> filling =
+            solve(part, orientation ? choices(part, *orientation) : own_signs(part));
+        if (refill) {
+          refill->run(cavity, solver_, execution_, filling);
+        }
+        keep(filling);
         continue;
       }
       ++fill_.cut;
@@ -117,6 +127,10 @@ class ChainSolver {
       if (orientation) {
         orientation->forget();
       }
+    }
+    if (refill) {
+      fill_.refilled = refill->num_bettered();
+      fill_.refills = refill->num_programs();
     }
   }
 
@@ -184,6 +198,8 @@ class ChainSolver {
   std::vector<Index> solve(const detail::CavityPart& part,
                            const std::vector<Signs>& choices) {
     execution_.poll();
+    fill_.largest_program =
+        std::max(fill_.largest_program, static_cast<Index>(part.num_candidates()));
     return part.arity() == 2 ? solve_degrees(part) : solve_oriented(part, choices);
   }
 

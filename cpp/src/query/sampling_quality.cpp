@@ -8,6 +8,7 @@
 #include "local/frame_fit.hpp"
 #include "local/local_coordinates.hpp"
 #include "remanifold/facets.hpp"
+#include "remanifold/input_numbering.hpp"
 #include "remanifold/simplex_measures.hpp"
 #include "remanifold/tangent_space.hpp"
 #include "samples/known_distances.hpp"
@@ -52,20 +53,6 @@ detail::Ragged<Offset> stars_of(const SimplexArray& simplices, Index num_vertice
       add(simplices.vertices[i], static_cast<Offset>(i) / simplices.arity);
     }
   });
-}
-
-/// Input numbers to canonical ones, columns ascending.
-SimplexArray to_canonical(const Samples& samples, const SimplexArray& simplices) {
-  const std::vector<Index> canonical = samples.canonical_indices();
-  SimplexArray result = simplices;
-  for (Index& v : result.vertices) {
-    v = canonical[v];
-  }
-  for (Offset s = 0; s < result.size(); ++s) {
-    const auto row = result.vertices.begin() + s * result.arity;
-    std::sort(row, row + result.arity);
-  }
-  return result;
 }
 
 /// Columns of coordinates, one row a neighbor.

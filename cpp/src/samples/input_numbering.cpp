@@ -144,6 +144,18 @@ std::vector<Index> to_input(const Samples& samples, std::vector<Index> vertices)
   return vertices;
 }
 
+SimplexArray to_canonical(const Samples& samples, SimplexArray simplices) {
+  const std::vector<Index> canonical = samples.canonical_indices();
+  for (Index& v : simplices.vertices) {
+    v = canonical[v];
+  }
+  for (Offset s = 0; s < simplices.size(); ++s) {
+    const auto row = simplices.vertices.begin() + s * simplices.arity;
+    std::sort(row, row + simplices.arity);
+  }
+  return simplices;
+}
+
 std::vector<std::uint8_t> flags_to_canonical(const Samples& samples,
                                              const std::vector<std::uint8_t>& flags) {
   std::vector<std::uint8_t> result(samples.size(), 0);

@@ -88,6 +88,15 @@ HoleRadius: TypeAlias = Annotated[
         f"{_core.SCALE_WORDS}.",
     ),
 ]
+Significance: TypeAlias = Annotated[
+    float | None,
+    typer.Option(
+        metavar="CHANCE",
+        show_default=f"{_core.SIGNIFICANCE:g}",
+        help="Manifold method: where so many samples are missing that chance leaves as "
+        "large a gap in no more than this share of such data, it is left open.",
+    ),
+]
 Outliers: TypeAlias = Annotated[
     Any,
     typer.Option(

@@ -41,6 +41,7 @@ from remanifold.cli._options import (
     Outliers,
     Quiet,
     Search,
+    Significance,
     Smooth,
     Source,
     options_of,
@@ -78,6 +79,7 @@ def reconstruct(
     method: Method = "manifold",
     boundary: Boundary = "auto",
     hole_radius: HoleRadius = None,
+    significance: Significance = None,
     outliers: Outliers = None,
     smooth: Smooth = None,
     keep_positions: Annotated[
@@ -116,6 +118,7 @@ def reconstruct(
         method=method,
         boundary=boundary,
         hole_radius=hole_radius,
+        significance=significance,
         outliers=outliers,
         smooth=smooth,
         num_neighbors=num_neighbors,

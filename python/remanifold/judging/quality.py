@@ -184,7 +184,7 @@ _CURVES = _Limits(
     some_opening=0,
     gap=-4,
     some_gap=-2,
-    rare_gap=0.15,
+    rare_gap=0.05,
     some_ratio=2.45,
     some_confidence=0.4,
     scatter=0.4,
@@ -205,7 +205,7 @@ _SURFACES = _Limits(
     some_opening=1.0,
     gap=-2.3,
     some_gap=-0.7,
-    rare_gap=0.08,
+    rare_gap=0.05,
     some_ratio=2.0,
     some_confidence=0.3,
 )
@@ -224,7 +224,7 @@ _THREE = _Limits(
     some_opening=0.5,
     gap=-2.3,
     some_gap=-1,
-    rare_gap=0.08,
+    rare_gap=0.05,
     some_ratio=2.25,
     some_confidence=0.25,
 )
@@ -243,7 +243,7 @@ _MORE = _Limits(
     some_opening=0.3,
     gap=-2.3,
     some_gap=-1,
-    rare_gap=0.08,
+    rare_gap=0.05,
     some_ratio=2.25,
     some_confidence=0.25,
 )
@@ -297,6 +297,10 @@ class _Findings:
 
     def where(self, mask: NDArray[np.bool_]) -> NDArray[np.int64]:
         return np.flatnonzero(mask & self.own)
+
+    def is_sure(self, opening: Opening) -> bool:
+        """Whether an opening is far from being closed."""
+        return opening.significance <= SURE * self.significance
 
     def quantile(self, values: NDArray[np.float64], q: float) -> float:
         known = values[self.own & np.isfinite(values)]
@@ -743,6 +747,12 @@ def _openings(found: _Findings) -> Iterator[_Sign]:
     dim = found.dim
     sphere = 2 * math.pi ** (dim / 2) / math.gamma(dim / 2)
     share = (size / sphere) ** (1 / (dim - 1)) / radius
+    # Where samples are missing beyond doubt the width does not matter.
+    sure = np.zeros(len(found.own), dtype=bool)
+    for opening in found.openings:
+        if opening.decision == "open" and found.is_sure(opening):
+            sure[opening.samples] = True
+    share[np.bincount(sets, sure[faces].all(axis=1)) > np.bincount(sets) / 2] = np.inf
     limits = found.limits
     strong = bool((share < limits.opening).any())
     narrow = share < (limits.opening if strong else limits.some_opening)
@@ -782,7 +792,7 @@ def _close_decisions(found: _Findings) -> Iterator[_Sign]:
         for opening in found.openings
         if opening.decision == "open"
         and opening.kind in ("gap", "hole")
-        and opening.significance > SURE * found.significance
+        and not found.is_sure(opening)
     ]
     if near:
         least = max(near, key=lambda opening: opening.significance)

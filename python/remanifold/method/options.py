@@ -157,7 +157,8 @@ class Options:
         smooth, neighbors, only_noise = check_smooth(self.smoothing_of(samples), dim)
         return _core.Options(
             dim=dim,
-            num_neighbors=self.neighbors(dim),
+            # By default of the core: it knows how many samples there are without copies.
+            num_neighbors=0 if self.num_neighbors is None else self.neighbors(dim),
             estimator=self.tangent_estimator,
             edges=self.edge_rule,
             boundary=rule,

@@ -77,9 +77,12 @@ class Repair(ReadOnlyArrays):
         Manifold method: simplices that the chain of least energy chose.
     inserted_vertices : ndarray of int32
         Manifold method: samples that the chain left out, put back by subdivision.
-    num_cavities, num_programs, num_integer_programs : int
-        Manifold method: cavities filled; those of them that were linear programs, and
-        integer programs.
+    num_cavities, num_cut_cavities : int
+        Manifold method: cavities filled; those of them that were too large for one
+        program and were cut into windows.
+    num_programs, num_integer_programs, largest_program : int
+        Manifold method: linear programs of cavities and windows; integer programs; the
+        candidates that the largest of all chose from.
     num_unsolved : int
         Programs without a solution within the solver's limits.
     """
@@ -100,8 +103,10 @@ class Repair(ReadOnlyArrays):
     filled_simplices: NDArray[np.int32]
     inserted_vertices: NDArray[np.int32]
     num_cavities: int
+    num_cut_cavities: int
     num_programs: int
     num_integer_programs: int
+    largest_program: int
     num_unsolved: int
 
     def __repr__(self) -> str:
@@ -235,7 +240,9 @@ class ReconstructionData(ComplexData):
             filled_simplices=no_simplices,
             inserted_vertices=none,
             num_cavities=0,
+            num_cut_cavities=0,
             num_programs=0,
             num_integer_programs=0,
+            largest_program=0,
             num_unsolved=0,
         )

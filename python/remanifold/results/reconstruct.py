@@ -84,7 +84,12 @@ def reconstruct(
         of the local scale (the distance to the (2K+2)-th neighbor, on curves to the
         tenth; for K = 2 about 1.4 times the root of the area per sample). By default
         from 3 for samples that lie at random to 1.4 for even ones, on curves 0.6 times
-        that.
+        that, and what `significance` says besides.
+    significance : float, optional
+        Manifold method, up to K = 3, where `hole_radius` is not given: where the complex
+        goes through a place at which so many samples are missing that chance leaves one
+        like it in no more than this share of such data, the place is opened. 1e-3 by
+        default; 0 opens nothing. `Reconstruction.openings` lists what was decided.
     outliers : "auto", False or float, optional
         Distance from the manifold of the others at which a sample is left out, in local
         scales; "auto", by default with the manifold method, is 2. See `find_outliers`.

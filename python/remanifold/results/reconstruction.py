@@ -68,6 +68,13 @@ class Reconstruction(JudgedReconstruction, SimplicialComplex):
         Share of true neighbors found, below 1 only for the approximate search.
     timings : dict of str to float
         Wall seconds of each step. Whatever reads coordinates counts as neighborhoods.
+    openings : tuple of Opening
+        Places where samples may be missing and what was decided there, the closest
+        decisions first. Manifold method, up to K = 3, with neither `hole_radius` nor
+        `boundary` given.
+    significance : float
+        The chance, over the whole data, up to which a gap counts as an opening; 0 with
+        the paper's method.
     tangent_simplices : ndarray, shape (N, K+1), int32
         Paper: tangent basis tuples, nearest first; -1 where there is none. This and what
         follows is None with the manifold method.

@@ -342,13 +342,14 @@ def test_options_reach_the_library(tori, tmp_path, monkeypatch):
         ).exit_code
         == 0
     )
-    options = ("--boundary", "closed", "--hole-radius", 2.5)
+    options = ("--boundary", "closed", "--hole-radius", 2.5, "--significance", 0.01)
     options += ("--outliers", "keep", "--smooth", "yes")
     assert run(tori, "--dim", 2, "-o", output, *options).exit_code == 0
     defaults = {
         "method": "manifold",
         "boundary": "auto",
         "hole_radius": None,
+        "significance": None,
         "outliers": None,
         "smooth": None,
         "num_neighbors": None,
@@ -365,6 +366,7 @@ def test_options_reach_the_library(tori, tmp_path, monkeypatch):
         "method": "paper",
         "boundary": "auto",
         "hole_radius": None,
+        "significance": None,
         "outliers": 3.5,
         "smooth": 20,
         "num_neighbors": 12,
@@ -377,7 +379,7 @@ def test_options_reach_the_library(tori, tmp_path, monkeypatch):
         "num_threads": 1,
         "progress": False,
     }
-    closed = defaults | {"boundary": False, "hole_radius": 2.5}
+    closed = defaults | {"boundary": False, "hole_radius": 2.5, "significance": 0.01}
     closed |= {"outliers": False, "smooth": True}
     assert [options for _, options in calls] == [defaults, chosen, closed]
     for (points, dim), _ in calls:
