@@ -98,6 +98,7 @@ py::dict to_dict(Cleaning&& cleaning, py::ssize_t ambient_dim) {
   out["remaining_error"] = cleaning.remaining_error;
   out["drowned"] = cleaning.drowned;
   out["growth"] = cleaning.growth;
+  out["fitting_dim"] = cleaning.fitting_dim;
   out["resolution"] = cleaning.resolution;
   out["attached"] = to_numpy(std::move(cleaning.attached));
   return out;
@@ -149,9 +150,17 @@ py::dict paper(const Input& input, const ReconstructOptions& options, int num_th
   return out;
 }
 
-py::dict manifold(const Input& input, const ReconstructOptions& options,
-                  const py::object& solve, int num_threads,
-                  const py::object& progress) {
+py::dict manifold(const Input& input, const ReconstructOptions& given,
+                  const py::object& solve, const py::object& on_other_dim,
+                  int num_threads, const py::object& progress) {
+  ReconstructOptions options = given;
+  if (!on_other_dim.is_none()) {
+    options.on_other_dim = [function = on_other_dim.ptr()](int dim) {
+      const py::gil_scoped_acquire acquire;
+      const py::handle call(function);
+      call(dim);
+    };
+  }
   Reconstruction result = run(num_threads, progress, [&](const Execution& execution) {
     return reconstruct(input.samples(execution), options,
                        program_solver(solve, execution), execution);
@@ -214,7 +223,7 @@ void bind_reconstruct(py::module_& module) {
   module.def("clean", &clean_samples, arg("samples"), arg("options"), py::kw_only(),
              arg("num_threads"), arg("progress"));
   module.def("reconstruct", &manifold, arg("samples"), arg("options"), py::kw_only(),
-             arg("solve"), arg("num_threads"), arg("progress"));
+             arg("solve"), arg("on_other_dim"), arg("num_threads"), arg("progress"));
   module.def("reconstruct_paper", &paper, arg("samples"), arg("options"), py::kw_only(),
              arg("num_threads"), arg("progress"));
 }

@@ -138,6 +138,7 @@ def reconstruct(
     options: Options,
     *,
     solve: _Solver | None,
+    on_other_dim: Callable[[int], None] | None,
     num_threads: int,
     progress: _Progress,
 ) -> dict[str, Any]: ...

@@ -10,6 +10,7 @@
 #include "remanifold/tangent_space.hpp"
 #include "remanifold/types.hpp"
 
+#include <functional>
 #include <optional>
 
 namespace remanifold {
@@ -28,6 +29,9 @@ struct ReconstructOptions {
   std::optional<double> outlier_distance;
   bool smooth = false;
   SmoothingOptions smoothing;  ///< its dim and search are those above
+  /// Called with Smoothing::fitting_dim where that is not K, before anything dear is done;
+  /// may throw.
+  std::function<void(int)> on_other_dim;
 
   ManifoldOptions manifold;            ///< the default method: boundary and the like
   EdgeRule edges = EdgeRule::kMutual;  ///< the paper's method

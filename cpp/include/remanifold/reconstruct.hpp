@@ -25,6 +25,7 @@ struct Cleaning {
   double remaining_error = 0;   ///< likewise
   bool drowned = false;         ///< likewise
   double growth = 1;            ///< likewise
+  int fitting_dim = 0;          ///< likewise
   /// Distance below which smoothed samples carry no more shape: of those nearer to each
   /// other one is kept. 0 where all are.
   double resolution = 0;

@@ -46,6 +46,13 @@ struct Smoothing {
   /// Root of the mean squared distance from the manifold that is expected to remain,
   /// canonical length.
   double remaining_error = 0;
+  /// Samples nearer to each other than this show what remains, not the shape; canonical
+  /// length.
+  double resolution = 0;
+  /// The dimension that neighborhoods of all sizes show; K where they may be of a
+  /// K-manifold or there are too few samples to tell. Noise that drowns the shape fills
+  /// space, as well as a manifold of more dimensions does.
+  int fitting_dim = 0;
   /// The noise is as large as the shape: no neighborhood is wide enough to average it out
   /// and narrow enough to be the graph of a quadric.
   bool drowned = false;

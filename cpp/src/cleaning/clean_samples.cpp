@@ -14,9 +14,6 @@
 namespace remanifold {
 namespace {
 
-/// Samples nearer to each other than this many times the error that remains show it, not
-/// the shape.
-constexpr double kResolution = 4;
 /// Samples at which the spacing is looked at.
 constexpr Index kSpacingProbes = 400;
 
@@ -63,14 +60,17 @@ void CleanSamples::run(Index count) {
     report_.remaining_error = smoothed.remaining_error * given_.scale();
     report_.drowned = smoothed.drowned;
     report_.growth = smoothed.growth;
+    report_.fitting_dim = smoothed.fitting_dim;
+    if (smoothed.fitting_dim != options_.dim && options_.on_other_dim) {
+      options_.on_other_dim(smoothed.fitting_dim);
+    }
     report_.smoothing_neighbors = smoothed.num_neighbors;
     report_.smoothing_rounds = smoothed.rounds;
     if (!smoothed.points.empty()) {
       move(smoothed.points);
       stale = true;
       if (thins_) {
-        thin(kResolution * smoothed.remaining_error * given_.scale() /
-             samples().scale());
+        thin(smoothed.resolution * given_.scale() / samples().scale());
       }
     }
   }

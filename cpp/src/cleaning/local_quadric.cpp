@@ -26,6 +26,10 @@ constexpr double kLeastShare = 0.85;
 /// The first fit tilts the frame; it need not be found to the last digit before.
 constexpr int kIterations = 5;
 
+/// Directions of less than this share of the spread in the first are none that the
+/// samples fill.
+constexpr double kThin = 0.3;
+
 double tricube(double ratio) {
   const double rest = std::max(0.0, 1 - ratio * ratio * ratio);
   return rest * rest * rest;
@@ -83,6 +87,9 @@ bool LocalQuadric::fit(const Eigen::MatrixXd& all, const Eigen::VectorXd& distan
   const double sum = weights_.dot(squared_residuals_);
   variance_ = freedom > 0 ? sum / freedom : std::numeric_limits<double>::quiet_NaN();
 
+  spread_ = weights_.dot(tangent_.rowwise().squaredNorm()) * reach_ * reach_ /
+            (weights_.sum() * dim_);
+
   Eigen::VectorXd terms = Eigen::VectorXd::Zero(num_unknowns_);
   terms[0] = 1;
   influence_.noalias() = weighted_.leftCols(num_unknowns_) * factors_.solve(terms);
@@ -126,6 +133,8 @@ bool LocalQuadric::find_frame(const Eigen::Ref<const Eigen::MatrixXd>& rows) {
   if (!(squares[0] > kDependentSquaredSine * squares[dim_ - 1])) {
     return false;
   }
+  wide_directions_ =
+      static_cast<int>((squares.array() > kThin * kThin * squares[dim_ - 1]).count());
   frame_ = directions.transpose();
   return true;
 }

@@ -38,6 +38,10 @@ class LocalQuadric {
   double variance() const { return variance_; }
   /// Root of the mean squared curvature over the K tangent directions.
   double curvature() const { return curvature_; }
+  /// Variance along the manifold, the mean over its K directions, of the weighted rows.
+  double spread() const { return spread_; }
+  /// Of the K leading directions, those that the rows spread in, compared with the first.
+  int wide_directions() const { return wide_directions_; }
   /// Tangential distance at which weights are zero.
   double reach() const { return reach_; }
   /// From the quadric along the normals to each row.
@@ -69,6 +73,8 @@ class LocalQuadric {
   double variance_ = 0;
   double reach_ = 0;
   double curvature_ = 0;
+  double spread_ = 0;
+  int wide_directions_ = 0;
 };
 
 }  // namespace remanifold::detail

@@ -52,6 +52,12 @@ constexpr double kLeastNoise = 0.01;
 constexpr double kLeastNoisySize = 8;
 constexpr double kPlateau = 1.15;
 constexpr double kWorthIt = 0.6;
+/// Neighborhoods that are this thick, compared with how wide they are, at all sizes fill
+/// more than K dimensions. (Balls of K + 1 to K + 3 dimensions: 0.95 to 1.6. Noise of four
+/// spacings: 1.4 at small sizes, below 0.75 at larger ones. Coasts: 0.55.)
+constexpr double kThick = 0.8;
+/// Neighborhoods of a larger share of the samples are as the whole shape is.
+constexpr Index kSmallShare = 8;
 /// Where the nearest two others are equally far from so many samples, up to rounding, they
 /// were put there: on a lattice. That is no noise.
 constexpr double kEquallyFar = 1e-9;
@@ -69,6 +75,11 @@ constexpr double kHopelessGrowth = 1.35;
 /// is this share of the radius of curvature.
 constexpr double kDrowningError = 0.3;
 constexpr double kDrowningNoise = 0.5;
+
+/// Samples nearer to each other than this many times the error that remains show it, not
+/// the shape; but the shape needs samples at this share of the radius of curvature.
+constexpr double kResolution = 4;
+constexpr double kResolutionOfShape = 0.5;
 
 // ------------------------------------------------------------------------- projecting
 
@@ -182,6 +193,8 @@ struct Level {
   double curvature = 0;  // root of the mean square
   double nearest = 0;    // median distance to the nearest other
   double ties = 0;       // share of the probes with two of them
+  double thickness = 0;  // median of the variances off over along the quadrics
+  double wide = 0;       // median of the directions that are filled, K at most
 };
 
 struct Choice {
@@ -193,6 +206,7 @@ struct Choice {
   double curvature = 0;
   bool noisy = false;
   double drowning = 0;  // drowned from 1 on
+  int fitting_dim = 0;
 };
 
 class Smoother {
@@ -210,6 +224,7 @@ class Smoother {
     result.noise = std::sqrt(choice.noise);
     result.prediction_error = std::sqrt(choice.noise + choice.risk);
     result.remaining_error = result.noise;
+    result.fitting_dim = choice.fitting_dim > 0 ? choice.fitting_dim : options_.dim;
     if (options_.only_noise && !choice.noisy) {
       return result;
     }
@@ -221,6 +236,8 @@ class Smoother {
     }
     result.num_neighbors = count;
     result.remaining_error = std::sqrt(choice.risk);
+    result.resolution = std::min(kResolution * result.remaining_error,
+                                 kResolutionOfShape / choice.curvature);
     result.drowned = choice.drowning >= 1;
     // At the best size the error falls with this power of the number of samples.
     result.growth =
@@ -261,13 +278,14 @@ class Smoother {
                              int step, Index probes) const {
     const int num_levels = (last - first) / step + 1;
     const int half = 2 / step;
+    const int codim = std::max(1, samples_.ambient_dim() - options_.dim);
     struct At {
       double scatter, gain, difference, gain_difference, growth, radius, curvature,
-          nearest, tie;
+          nearest, tie, thickness, wide;
     };
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     std::vector<At> at(static_cast<std::size_t>(probes) * num_levels,
-                       {nan, nan, nan, nan, nan, nan, nan, nan, 0});
+                       {nan, nan, nan, nan, nan, nan, nan, nan, 0, nan, nan});
     over(samples_, search, probes, [&](Fitter& fitter, Offset i) {
       fitter.load(probe(i), std::min(size_of(last), samples_.size() - 1));
       std::vector<Eigen::VectorXd> feet(num_levels);
@@ -284,6 +302,8 @@ class Smoother {
         influences[k] = quadric.influence();
         out.scatter = quadric.variance();
         out.gain = quadric.gain();
+        out.thickness = out.scatter / (codim * quadric.spread());
+        out.wide = quadric.wide_directions();
         out.radius = fitter.distance(count - 1);
         out.nearest = fitter.distance(1);
         out.tie = count > 2 && fitter.distance(2) <= (1 + kEquallyFar) * out.nearest;
@@ -300,6 +320,16 @@ class Smoother {
     std::vector<Level> levels(num_levels);
     const double decay = 1 - std::pow(2.0, -4.0 / options_.dim);
     for (int k = 0; k < num_levels; ++k) {
+      const auto middle = [&](double At::*member) {
+        std::vector<double> values;
+        for (Index i = 0; i < probes; ++i) {
+          const double value = at[static_cast<std::size_t>(i) * num_levels + k].*member;
+          if (std::isfinite(value)) {
+            values.push_back(value);
+          }
+        }
+        return median(std::move(values));  // NaN where no fit says
+      };
       const auto mean = [&](double At::*member) {
         std::vector<double> values(probes);
         for (Index i = 0; i < probes; ++i) {
@@ -320,16 +350,14 @@ class Smoother {
         nearest.push_back(one.nearest >= 0 ? one.nearest : 0);
       }
       level.nearest = median(std::move(nearest));
+      level.typical = middle(&At::scatter);
+      level.thickness = middle(&At::thickness);
+      level.wide = middle(&At::wide);
       std::vector<double> growths;
-      std::vector<double> scatters;
       for (Index i = 0; i < probes; ++i) {
         const At& one = at[static_cast<std::size_t>(i) * num_levels + k];
         growths.push_back(one.growth > 0 ? one.growth : kEverywhere);
-        if (one.scatter >= 0) {
-          scatters.push_back(one.scatter);
-        }
       }
-      level.typical = median(std::move(scatters));  // NaN where no fit says
       level.growth = median(std::move(growths));
       if (k >= half) {
         const double excess =
@@ -338,6 +366,33 @@ class Smoother {
       }
     }
     return levels;
+  }
+
+  /// The dimension that neighborhoods of all these sizes show. That of what they fill
+  /// follows from how fast their radii grow with the number of neighbors.
+  int dim_of(const std::vector<Level>& levels) const {
+    const int dim = options_.dim;
+    const Level& last = levels.back();
+    if (samples_.size() / kSmallShare < last.count) {
+      return dim;
+    }
+    double wide = 0;
+    bool thick = samples_.ambient_dim() > dim;
+    for (const Level& level : levels) {
+      wide = std::max(wide, level.wide);
+      thick = thick && level.thickness > kThick * kThick;
+    }
+    if (wide < dim) {
+      return std::max(1, static_cast<int>(wide));
+    }
+    if (!thick) {
+      return dim;
+    }
+    const Level& before = levels[levels.size() - 2];
+    const double filled = std::log(static_cast<double>(last.count) / before.count) /
+                          std::log(last.radius / before.radius);
+    return std::clamp(static_cast<int>(std::lround(filled)), dim + 1,
+                      samples_.ambient_dim());
   }
 
   Choice choose(const NeighborSearch& search) const {
@@ -354,9 +409,12 @@ class Smoother {
     choice.radius = test[1].radius;
     choice.num_neighbors = test[1].count;
     const double nearest = test[2].nearest;
-    const bool clean = test[2].ties > kMostTies || !(test[2].growth < kShapeGrowth) ||
+    choice.fitting_dim = dim_of(test);
+    const bool thick = choice.fitting_dim > options_.dim;
+    const bool clean = choice.fitting_dim < options_.dim || test[2].ties > kMostTies ||
+                       !(test[2].growth < kShapeGrowth) ||
                        !(std::sqrt(test[2].scatter) > kLeastNoise * nearest);
-    if (clean && options_.only_noise) {
+    if (clean && !thick && options_.only_noise) {
       return choice;
     }
     std::vector<Level> levels;
@@ -410,7 +468,13 @@ class Smoother {
       choice.radius = level.radius;
       choice.curvature = level.curvature;
     }
-    choice.noisy = levels[flat].growth < kPlateau &&
+    if (thick && std::any_of(levels.begin(), levels.end(), [](const Level& level) {
+          return level.thickness < kThick * kThick;
+        })) {
+      choice.fitting_dim = options_.dim;  // it was noise
+    }
+    choice.noisy = choice.fitting_dim == options_.dim && !clean &&
+                   levels[flat].growth < kPlateau &&
                    levels[flat].count <= choice.num_neighbors &&
                    choice.num_neighbors >= kLeastNoisySize * unknowns_ &&
                    choice.risk < kWorthIt * kWorthIt * choice.noise &&

@@ -15,6 +15,7 @@ from remanifold._base.read_only import ReadOnlyArrays
 from remanifold._base.samples import Points
 from remanifold._base.text import two_digits
 from remanifold.judging.singularities import singularities_of
+from remanifold.method.dimension import other_dimension
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -279,6 +280,7 @@ class _Findings:
     openings: tuple[Opening, ...]
     significance: float
     own: NDArray[np.bool_]  # not a copy
+    boundary: NDArray[np.bool_]
     spacing: NDArray[np.float64]
     reach: NDArray[np.float64]
     ratio: NDArray[np.float64]
@@ -336,6 +338,7 @@ def assess(rec: ReconstructionData) -> Quality:
         openings=rec.openings,
         significance=rec.significance,
         own=own,
+        boundary=rec.boundary,
         spacing=spacing,
         reach=reach,
         ratio=ratio,
@@ -357,6 +360,10 @@ def assess(rec: ReconstructionData) -> Quality:
         signs = [*_singularities(rec, source), *signs]
     if not any(sign.strong for sign in signs) and len(signs) < 2:
         signs = []
+    fitting = None if rec.smoothing is None else rec.smoothing.fitting_dim
+    if fitting is not None and not any(sign.kind == "singular" for sign in signs):
+        text = other_dimension(rec.dim, fitting)
+        signs = [_Sign(True, text, _NOWHERE, kind="singular"), *signs]
     signs = [*_noise_signs(rec, findings, bool(signs)), *signs]
     reasons = tuple(Reason(sign.text, sign.samples, sign.kind) for sign in signs)
     doubtful = np.zeros(rec.num_samples, dtype=bool)
@@ -554,6 +561,20 @@ def _too_few(found: _Findings) -> Iterator[_Sign]:
         yield _Sign(True, "there are no simplices", _NOWHERE)
 
 
+def _is_only_boundary(found: _Findings) -> bool:
+    """Whether samples of a solid are all on its boundary, which chance does not explain.
+
+    That n of a convex body are in convex position has a chance below (c / n^2)^n in the
+    plane (Barany, 1999) and less in space: with 4 (K + 1) samples below 1e-6.
+    """
+    rim = found.boundary[np.unique(found.simplices)]
+    return (
+        found.ambient_dim == found.dim > 1
+        and len(rim) >= 4 * (found.dim + 1)
+        and bool(rim.all())
+    )
+
+
 def _not_a_manifold(found: _Findings) -> Iterator[_Sign]:
     topology, repair = found.topology, found.repair
     bad = topology.singular_vertices
@@ -563,6 +584,13 @@ def _not_a_manifold(found: _Findings) -> Iterator[_Sign]:
             f"the result is no manifold around {_count(len(bad), 'sample')}",
             bad.astype(np.int64),
             _growth_by_ratio(found, bad),
+        )
+    if _is_only_boundary(found):
+        yield _Sign(
+            True,
+            f"every sample is on the boundary of the {found.dim}-dimensional result: they "
+            f"may be of its boundary, dim={found.dim - 1}",
+            _NOWHERE,
         )
     unused = repair.unused_vertices
     if len(unused) > MAX_UNUSED * found.num_samples:

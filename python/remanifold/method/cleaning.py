@@ -63,6 +63,9 @@ class Smoothing(ReadOnlyArrays):
         out and narrow enough to be the graph of a quadric.
     enough_samples : int or None
         About how many samples would do, where it has drowned.
+    fitting_dim : int or None
+        The dimension that neighborhoods of all sizes show, where that is not K. Noise that
+        drowns the shape fills space, as well as a manifold of more dimensions does.
     """
 
     points: NDArray[np.float64] | None
@@ -74,6 +77,7 @@ class Smoothing(ReadOnlyArrays):
     resolution: float = 0.0
     drowned: bool = False
     enough_samples: int | None = None
+    fitting_dim: int | None = None
 
     def __repr__(self) -> str:
         return one_line(
@@ -107,9 +111,12 @@ def smooth(
     """Move noisy samples onto the K-manifold that their neighborhoods show.
 
     Each sample goes along the normals to a quadric fitted to its neighborhood: moving
-    least squares in any dimension K and any number of coordinates. Neighborhoods are as
-    large as predicts samples from the others best (leave-one-out cross-validation at 400
-    of them): where noise separates samples large ones, where curvature does small ones.
+    least squares in any dimension K and any number of coordinates. Quadrics are fitted at
+    some of the samples, and each sample goes to the mean of those that it is near the
+    middle of. How large neighborhoods are is found by looking at a ladder of sizes: noise
+    is the scatter about the quadrics where it does not grow with the size, bias is how far
+    the foot of a sample moves from half the size to the whole beyond what noise explains
+    (Lepski), and the sum of both is the least at the size that is taken.
 
     Parameters
     ----------
@@ -119,10 +126,10 @@ def smooth(
         K, the dimension of the manifold.
     num_neighbors : int, optional
         Neighbors of each fit, at least K + 1, weighted down to zero at the last; by
-        default as cross-validation finds.
+        default those at which noise and bias balance.
     only_noise : bool
-        Leave the samples alone unless large neighborhoods predict them better than small
-        ones, which is what noise does.
+        Leave the samples alone unless scatter stays the same from some size of the
+        neighborhoods to the next, and large neighborhoods predict better than small ones.
     search : {"auto", "kdtree", "brute_force"}
         An exact search, see `neighborhoods`.
     num_threads : int, optional
@@ -136,6 +143,9 @@ def smooth(
 
     References
     ----------
+    O. Lepski, On a problem of adaptive estimation in Gaussian white noise, Theory of
+    Probability and Its Applications 35, 1991.
+
     D. Levin, Mesh-independent surface interpolation, 2003.
 
     B. Sober and D. Levin, Manifold approximation by moving least-squares projection
@@ -173,7 +183,7 @@ def smooth(
             num_threads=check_num_threads(num_threads),
             progress=callback,
         )
-    return smoothing_of(given, report)
+    return smoothing_of(given, report, k)
 
 
 def find_outliers(
@@ -241,7 +251,9 @@ def find_outliers(
     return found
 
 
-def smoothing_of(given: Input, report: dict[str, Any], known: bool = True) -> Smoothing:
+def smoothing_of(
+    given: Input, report: dict[str, Any], dim: int, known: bool = True
+) -> Smoothing:
     """What the core did, as positions; None where they are not `known`."""
     points = given.matrix if known else None
     if known and len(report["displacements"]):
@@ -258,6 +270,7 @@ def smoothing_of(given: Input, report: dict[str, Any], known: bool = True) -> Sm
         enough_samples=(
             two_digits(len(given) * report["growth"]) if report["drowned"] else None
         ),
+        fitting_dim=report["fitting_dim"] if report["fitting_dim"] != dim else None,
     )
 
 

@@ -227,6 +227,19 @@ def low_confidence(found: DimensionEstimate) -> str:
     return f"the dimension is uncertain, give it if it is known: {found.verdict}"
 
 
+def other_dimension(dim: int, fitting: int) -> str:
+    """What to say where another dimension than K fits at all scales."""
+    if fitting < dim:
+        return (
+            f"neighborhoods of all sizes spread in {fitting} directions, dim={dim} does "
+            f"not fit: dim={fitting} may"
+        )
+    return (
+        f"neighborhoods of all sizes fill about {fitting} dimensions, dim={dim} does not "
+        f"fit: dim={fitting} may, unless noise drowns the shape"
+    )
+
+
 def estimate(
     samples: Input, scale: int | None, threads: int, callback: Callback | None
 ) -> DimensionEstimate:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import functools
 import warnings
 from typing import TYPE_CHECKING, Any
 
@@ -21,14 +22,14 @@ from remanifold.complex.data import ComplexData
 from remanifold.complex.projection import project
 from remanifold.formats.writing import check_fields
 from remanifold.method.cleaning import as_points, smoothing_of
-from remanifold.method.dimension import find_dimension
+from remanifold.method.dimension import find_dimension, other_dimension
 from remanifold.method.dropping import INVALID, filled, finite_rows, number_as_given
 from remanifold.method.openings import openings_of
 from remanifold.method.options import CHECKS, Options
 from remanifold.method.programs import solve_program
 from remanifold.method.steps import EdgeSets, Stars, warn_of_recall
 from remanifold.results.reconstruction import Reconstruction
-from remanifold.warnings import ManifoldWarning
+from remanifold.warnings import DimensionWarning, ManifoldWarning
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -205,6 +206,7 @@ def reconstruct_samples(
                 given,
                 choices,
                 solve=solve_program,
+                on_other_dim=functools.partial(_warn_of_dimension, k),
                 num_threads=threads,
                 progress=callback,
             )
@@ -218,7 +220,7 @@ def reconstruct_samples(
         invalid = np.setdiff1d(np.arange(total), rows).astype(np.int32)
     smoothing = None
     if smooths:
-        smoothing = smoothing_of(given, result["cleaning"], known)
+        smoothing = smoothing_of(given, result["cleaning"], k, known)
     vertices = None
     if known:
         vertices = samples.matrix.view() if smoothing is None else smoothing.points
@@ -290,6 +292,11 @@ def reconstruct_samples(
             array.flags.writeable = False
             vars(rec)[name] = array
     return rec
+
+
+def _warn_of_dimension(dim: int, fitting: int) -> None:
+    """While there is time to stop; not from the thread of the caller."""
+    warnings.warn(other_dimension(dim, fitting), DimensionWarning, stacklevel=1)
 
 
 def _finish_report(

@@ -4,8 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <stdexcept>
+#include <tuple>
 #include <vector>
 
 namespace remanifold {
@@ -13,14 +16,37 @@ namespace {
 
 using testing::Cloud;
 
+/// From the unit sphere, the root of the mean square.
 double distance_to_sphere(const Samples& samples, const std::vector<double>& points) {
+  const auto dim = static_cast<std::size_t>(samples.ambient_dim());
   double sum = 0;
   for (Index i = 0; i < samples.size(); ++i) {
-    const double* p = points.data() + 3 * static_cast<std::size_t>(i);
-    const double away = std::hypot(p[0], p[1], p[2]) * samples.scale() - 1;
+    double square = 0;
+    for (std::size_t axis = 0; axis < dim; ++axis) {
+      square += points[i * dim + axis] * points[i * dim + axis];
+    }
+    const double away = std::sqrt(square) * samples.scale() - 1;
     sum += away * away;
   }
   return std::sqrt(sum / samples.size());
+}
+
+/// Normal noise in each coordinate.
+Cloud noisy(Cloud cloud, double noise) {
+  const Cloud moves = testing::gaussian(cloud.size(), cloud.dim, 3);
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    cloud.points[i] += noise * moves.points[i];
+  }
+  return cloud;
+}
+
+Smoothing smoothed(const Cloud& cloud, int dim, Index num_neighbors = 0) {
+  const Samples samples = Samples::from_points(cloud.view());
+  SmoothingOptions options;
+  options.dim = dim;
+  options.num_neighbors = num_neighbors;
+  options.only_noise = num_neighbors == 0;
+  return smooth(samples, NeighborSearch(samples), options);
 }
 
 TEST(Smoothing, BringsNoisySamplesToTheSphere) {
@@ -49,6 +75,117 @@ TEST(Smoothing, LeavesACleanSphereAlone) {
   EXPECT_TRUE(smoothed.points.empty());
   EXPECT_EQ(smoothed.num_neighbors, 0);
   EXPECT_LT(smoothed.noise * samples.scale(), 1e-4);
+}
+
+class SmoothingOfSpheres : public ::testing::TestWithParam<std::tuple<int, Offset>> {};
+
+// Noise of about two spacings.
+TEST_P(SmoothingOfSpheres, TakesNearlyTheBestSize) {
+  const auto [dim, size] = GetParam();
+  const double spacing = dim == 1 ? 0.0016 : dim == 2 ? 0.028 : 0.09;
+  const Cloud cloud = noisy(testing::sphere(size, dim, 1), 2 * spacing);
+  const Samples samples = Samples::from_points(cloud.view());
+  const Smoothing own = smoothed(cloud, dim);
+  ASSERT_FALSE(own.points.empty());
+  EXPECT_NEAR(own.noise * samples.scale(), 2 * spacing, 0.2 * spacing);
+  double best = 1;
+  for (Index count = 20; count < samples.size() / 2; count += count / 2) {
+    const Smoothing one = smoothed(cloud, dim, count);
+    EXPECT_EQ(one.num_neighbors, count);
+    best = std::min(best, distance_to_sphere(samples, one.points));
+  }
+  const double error = distance_to_sphere(samples, own.points);
+  EXPECT_LT(error, 1.5 * best);
+  // What is said to remain does.
+  EXPECT_LT(error, 1.5 * own.remaining_error * samples.scale());
+  EXPECT_GT(error, 0.5 * own.remaining_error * samples.scale());
+  EXPECT_GE(own.resolution, own.remaining_error);
+  EXPECT_FALSE(own.drowned);
+  EXPECT_EQ(own.fitting_dim, dim);
+}
+
+INSTANTIATE_TEST_SUITE_P(Dimensions, SmoothingOfSpheres,
+                         ::testing::Values(std::tuple(1, 2000), std::tuple(2, 4000),
+                                           std::tuple(3, 6000)));
+
+TEST(Smoothing, KnowsNoiseThatDrownsTheShape) {
+  const Smoothing drowned = smoothed(noisy(testing::sphere(3000, 2, 1), 0.35), 2);
+  EXPECT_TRUE(drowned.drowned || drowned.fitting_dim == 3);
+}
+
+TEST(Smoothing, SaysWhichDimensionFits) {
+  Cloud ball = testing::sphere(2000, 2, 1);
+  for (Offset i = 0; i < ball.size(); ++i) {
+    // Radii of a uniform ball.
+    const double radius = std::cbrt((static_cast<double>(i) + 0.5) / 2000);
+    for (int axis = 0; axis < 3; ++axis) {
+      ball.points[3 * i + axis] *= radius;
+    }
+  }
+  const Cloud sphere = testing::sphere(2000, 2, 1);
+  EXPECT_EQ(smoothed(ball, 3).fitting_dim, 3);
+  EXPECT_EQ(smoothed(ball, 2).fitting_dim, 3);
+  EXPECT_EQ(smoothed(sphere, 3).fitting_dim, 2);
+  EXPECT_EQ(smoothed(sphere, 2).fitting_dim, 2);
+  EXPECT_EQ(smoothed(sphere, 1).fitting_dim, 2);
+  EXPECT_EQ(smoothed(testing::sphere(1000, 1, 1), 2).fitting_dim, 1);
+  // Too few samples to tell.
+  EXPECT_EQ(smoothed(testing::sphere(100, 2, 1), 1).fitting_dim, 1);
+}
+
+TEST(Smoothing, LeavesALatticeAlone) {
+  Cloud plane = testing::grid(40, 2);
+  const Smoothing one = smoothed(plane, 2);
+  EXPECT_TRUE(one.points.empty());
+  EXPECT_EQ(one.fitting_dim, 2);
+}
+
+TEST(Smoothing, FewSamplesAreNoNoise) {
+  for (Offset size = 1; size < 12; ++size) {
+    const Smoothing one = smoothed(testing::sphere(size, 2, 1), 2);
+    EXPECT_TRUE(one.points.empty()) << size;
+    EXPECT_EQ(one.fitting_dim, 2) << size;
+  }
+}
+
+// Of samples nearer to each other than what remains of the noise some are vertices.
+TEST(Smoothing, IsThinnedToTheResolution) {
+  const Cloud cloud = noisy(testing::sphere(3000, 2, 1), 0.1);
+  const Samples samples = Samples::from_points(cloud.view());
+  ReconstructOptions options;
+  options.dim = 2;
+  options.smooth = true;
+  const Reconstruction result = reconstruct(samples, options);
+  const Cleaning& cleaning = result.cleaning;
+  ASSERT_GT(cleaning.attached.size(), 1000U);
+  ASSERT_LT(cleaning.attached.size(), 2900U);
+  EXPECT_EQ(cleaning.displacements.size(), 9000U);
+  std::vector<std::uint8_t> left_out(3000, 0);
+  for (const Index i : cleaning.attached) {
+    left_out[i] = 1;
+  }
+  for (const Index i : result.simplices.vertices) {
+    EXPECT_EQ(left_out[i], 0);
+  }
+  const auto squared = [&](Index a, Index b) {
+    double sum = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double away = cloud[a][axis] + cleaning.displacements[3 * a + axis] -
+                          cloud[b][axis] - cleaning.displacements[3 * b + axis];
+      sum += away * away;
+    }
+    return sum;
+  };
+  const double least = cleaning.resolution * cleaning.resolution;
+  for (Index i = 0; i < 3000; ++i) {
+    double nearest = 9;
+    for (Index k = 0; k < 3000; ++k) {
+      if (k != i && left_out[k] == 0) {
+        nearest = std::min(nearest, squared(i, k));
+      }
+    }
+    EXPECT_EQ(nearest <= least * (1 + 1e-9), left_out[i] == 1) << i;
+  }
 }
 
 TEST(Smoothing, RefusesNonsense) {

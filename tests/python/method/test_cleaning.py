@@ -301,6 +301,93 @@ def test_layers_are_smoothed_into_one():
     assert topology.betti_numbers == (1, 0, 0)
 
 
+def test_noise_of_many_spacings():
+    """More samples than the noise lets show: some are vertices, others have a place."""
+    true = draw("torus", 5000)
+    unit = nearest(true)
+    rng = np.random.default_rng(1)
+    points = true + rng.normal(0, 3 * unit, true.shape)
+    rec = rm.reconstruct(points, 2)
+    assert right_without_attached(rec, "torus")
+    smoothing = rec.smoothing
+    assert smoothing.noise == pytest.approx(3 * unit, rel=0.1)
+    assert not smoothing.drowned
+    assert smoothing.fitting_dim is None
+    off = root_mean_square(distance_to_torus(rec.vertices))
+    assert off < 0.25 * root_mean_square(distance_to_torus(points))
+    assert 0.5 * smoothing.remaining_error < off < 1.5 * smoothing.remaining_error
+    others = {num: rm.smooth(points, 2, num).points for num in (50, 100, 200, 400, 800)}
+    best = min(root_mean_square(distance_to_torus(p)) for p in others.values())
+    assert off < 1.5 * best
+    # Attached samples are on the result, and no vertices of it.
+    assert 0.1 * len(points) < len(rec.attached) < 0.9 * len(points)
+    assert not np.isin(rec.simplices, rec.attached).any()
+    found = rec.project(rec.vertices[rec.attached]).distances
+    assert found.max() < 1e-6
+    np.testing.assert_allclose(
+        rec.residuals, np.linalg.norm(points - rec.vertices, axis=1)
+    )
+    assert len(np.setdiff1d(np.arange(len(points)), rec.simplices)) == len(rec.attached)
+
+
+def right_without_attached(rec, name):
+    topology = rec.subset(np.arange(len(rec.simplices))).topology()
+    return topology.manifold and (
+        topology.betti_numbers == datasets.SHAPES[name].betti_numbers
+    )
+
+
+def test_noise_that_drowns_the_shape_is_said():
+    sphere = datasets.sphere(1500, random_state=0)
+    points = datasets.add_noise(sphere, 0.28, random_state=1)
+    with pytest.warns((rm.ManifoldWarning, rm.DimensionWarning)) as caught:
+        rec = rm.reconstruct(points, 2)
+    assert any("noise drowns the shape" in str(one.message) for one in caught)
+    assert not rec.quality.ok
+    assert rec.smoothing.drowned or rec.smoothing.fitting_dim == 3
+    if rec.smoothing.drowned:
+        assert rec.smoothing.enough_samples > 1500
+        assert "noise drowns the shape" in rec.quality.verdict
+
+
+def test_layers_are_one_surface_by_default():
+    """Of two a spacing apart nobody can say what is noise; farther apart they are two."""
+    flat = np.random.default_rng(0).uniform(0, 40, (1600, 2))
+    layer = np.arange(1600) % 2
+    near, far = (np.column_stack([flat, d * layer]) for d in (0.5, 8.0))
+    assert rm.reconstruct(near, 2).topology().components == 1
+    assert not rm.smooth(far, 2, only_noise=True).moved
+    assert rm.reconstruct(far, 2).topology().components == 2
+
+
+@pytest.mark.parametrize(
+    ("make", "dim", "fitting"),
+    [
+        (lambda: datasets.ball(2000, random_state=0), 2, 3),
+        (lambda: datasets.torus(2000, random_state=0), 1, 2),
+        (lambda: datasets.torus(2000, random_state=0), 3, 2),
+        (lambda: datasets.trefoil(2000, random_state=0), 2, 1),
+        (lambda: datasets.sphere(2000, dim=3, random_state=0), 2, 3),
+    ],
+)
+def test_another_dimension_is_named_before_the_work(make, dim, fitting):
+    points = make()
+    # Warnings are errors here, and an error stops the reconstruction.
+    with pytest.raises(rm.DimensionWarning, match=f"dim={fitting} may"):
+        rm.reconstruct(points, dim)
+    assert rm.smooth(points, dim, only_noise=True).fitting_dim == fitting
+    right_dim = rm.smooth(points, fitting, only_noise=True)
+    assert right_dim.fitting_dim is None
+    assert not right_dim.moved
+
+
+def test_a_solid_of_boundary_samples_is_doubted():
+    points = datasets.sphere(60, random_state=0)
+    rec = rm.reconstruct(points, 3)
+    assert "every sample is on the boundary" in str(rec.quality.reasons)
+    assert rm.reconstruct(datasets.ball(500, random_state=0), 3).quality.ok
+
+
 def test_outliers_stay_where_they_are():
     points, _ = with_outliers(noisy_torus(1500, 0.02), 0.05)
     rec = rm.reconstruct(points, 2, smooth="auto")

@@ -556,6 +556,7 @@ def many_disputes():
 PROMPTLY = 5.0  # seconds, though one is usual
 
 
+@pytest.mark.filterwarnings("ignore::remanifold.DimensionWarning")
 def test_an_error_of_the_callback_stops_the_chain():
     run = many_disputes()
     times = {}
@@ -574,6 +575,7 @@ def test_an_error_of_the_callback_stops_the_chain():
     assert time.process_time() - before < 0.1  # nothing goes on behind
 
 
+@pytest.mark.filterwarnings("ignore::remanifold.DimensionWarning")
 def test_an_interrupt_stops_the_chain():
     run = many_disputes()
     sent = []
@@ -598,6 +600,7 @@ def test_an_interrupt_stops_the_chain():
             timer.join()
 
 
+@pytest.mark.filterwarnings("ignore::remanifold.DimensionWarning")
 def test_progress_comes_to_the_chain():
     points = np.random.default_rng(0).normal(size=(1000, 6))
     calls = []
@@ -666,6 +669,7 @@ def test_few_samples(dim):
         assert rm.reconstruct(points[: dim + 1], dim).num_samples == dim + 1
 
 
+@pytest.mark.filterwarnings("ignore::remanifold.DimensionWarning")
 @pytest.mark.filterwarnings("ignore:no .-dimensional:remanifold.ManifoldWarning")
 @pytest.mark.parametrize("dim", [1, 2, 3])
 def test_samples_that_coincide(dim):
