@@ -23,6 +23,7 @@ _Solver: TypeAlias = Callable[
 
 __version__: str
 
+SIGNIFICANCE: float
 KINDS: tuple[str, ...]
 SEARCHES: tuple[str, ...]
 ESTIMATORS: tuple[str, ...]
@@ -57,6 +58,7 @@ class Options:
         boundary: str = ...,
         boundary_samples: NDArray[np.bool_] | None = ...,
         hole_radius: float = ...,
+        significance: float = ...,
         outlier_distance: float | None = ...,
         smooth: bool = ...,
         smoothing_neighbors: int = ...,

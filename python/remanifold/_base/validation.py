@@ -176,10 +176,11 @@ def check_significance(significance: Any) -> float:
     if isinstance(significance, bool) or not isinstance(significance, Real):
         msg = f"significance must be a number, got {significance!r}"
         raise TypeError(msg)
-    if not 0 <= significance < 1:
+    chance = float(significance)
+    if not 0 <= chance < 1:
         msg = f"significance is {significance!r}, expected a chance from 0 to below 1"
         raise ValueError(msg)
-    return float(significance)
+    return chance
 
 
 def check_smooth(smooth: Any, dim: int | None = None) -> tuple[bool, int, bool]:

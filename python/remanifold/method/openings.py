@@ -87,6 +87,7 @@ def openings_of(
         radius = (one["volume"] / ball) ** (1 / dim)
         # Samples in a ball whose radius is the local scale.
         scale = (_core.scale_neighbors(dim) / ball) ** (1 / dim) * one["spacing"]
+        decision: Literal["open", "closed", "left out"]
         decision = "open" if one["open"] else "closed"
         if one["kind"] == "part":
             decision = "left out" if one["open"] else "closed"

@@ -159,8 +159,10 @@ def openings(rec: JudgedReconstruction) -> str:
             "Openings",
             paragraph("No place where more samples are missing than chance explains."),
         )
-    head = ("what", "decision", "radius", "in spacings", "samples missing")
-    head += ("significance", "near sample")
+    head = (
+        *("what", "decision", "radius", "in spacings", "samples missing"),
+        *("significance", "near sample"),
+    )
     rows = [
         (
             opening.kind,

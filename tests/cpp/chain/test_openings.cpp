@@ -56,7 +56,8 @@ Given circle(int count, double gap, std::uint32_t seed) {
   std::mt19937 random(seed);
   std::vector<double> angles(count);
   for (double& angle : angles) {
-    angle = gap + (2 * 3.14159265358979 - gap) * (static_cast<double>(random()) / 4294967296.0);
+    angle = gap + (2 * 3.14159265358979 - gap) *
+                      (static_cast<double>(random()) / 4294967296.0);
   }
   std::sort(angles.begin(), angles.end());
   std::vector<double> points;
