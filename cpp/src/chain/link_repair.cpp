@@ -271,8 +271,10 @@ class LinkRepair {
     }
     detail::CavitySearch search(cavities, execution_);
     for (Index c = 0; c < cavities.count(); ++c) {
-      search.run(c, kSearchSteps);
-      if (search.leaves_open()) {
+      // A hole is closed where that costs less than leaving it open: who did not look at
+      // all fillings cannot say. Around a face (at no price) any will do.
+      const bool finished = search.run(c, kSearchSteps);
+      if (search.leaves_open() || (face.empty() && !finished)) {
         return false;
       }
       for (const Index chosen : search.chosen()) {

@@ -97,7 +97,8 @@ def ratio_of(found):
 
 
 @pytest.mark.parametrize("noise", [0.5, 1.0, 1.5])
-@pytest.mark.parametrize("shape", ["torus", "klein_bottle", "annulus", "sphere"])
+# Not the Klein bottle: one program has one orientation, all around the cavity.
+@pytest.mark.parametrize("shape", ["torus", "double_torus", "annulus", "sphere"])
 def test_small_cavities_have_the_least_energy(shape, noise):
     num_cavities = 0
     for seed in range(3):

