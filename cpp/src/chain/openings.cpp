@@ -64,10 +64,13 @@ constexpr double kNextToBridge = 0.9;
 constexpr double kInside = 0.25;
 constexpr int kInsideNeighbors = 3;  // times those that the scale spans
 
-/// K = 1: edges this many times longer than those next to them join two ends, which have
-/// to continue each other: so many steps before the edge and behind it may turn by 120
-/// degrees against each other, besides what they turn on their way.
-constexpr double kJoint = 2.5;
+/// K = 1: an edge that is so many times longer than those next to it joins two ends. These
+/// have to continue each other: so many steps before the edge and behind it may turn by 120
+/// degrees against each other, besides what they turn on their way. A corner of the curve
+/// has an edge of length t with a chance of e^-t: from the first length on it is listed, and
+/// open from the second.
+constexpr double kDoubtedJoint = 2.5;
+constexpr double kOpenJoint = 5;
 constexpr double kMostTurn = 2.0944;
 constexpr int kJointSteps = 6;
 /// Where the steps lead less far than this share of their length there is no direction.
@@ -421,7 +424,7 @@ class OpeningFinder {
       const Index b = simplices_[e][1];
       const double length = std::sqrt(samples_.squared_distance(a, b));
       if (stars_.size(a) > 2 || stars_.size(b) > 2 ||
-          !(length > kJoint * shortest_at(a, b)) ||
+          !(length > kDoubtedJoint * shortest_at(a, b)) ||
           std::binary_search(known.begin(), known.end(), e)) {
         continue;
       }
@@ -431,7 +434,8 @@ class OpeningFinder {
         continue;
       }
       const double mean = (from.length + to.length) / (from.steps + to.steps);
-      if (length <= kJoint * mean || !is_straight(a, from) || !is_straight(b, to)) {
+      if (length <= kDoubtedJoint * mean || !is_straight(a, from) ||
+          !is_straight(b, to)) {
         continue;
       }
       // What both sides turn by themselves they go on turning.
@@ -443,15 +447,17 @@ class OpeningFinder {
       }
       Opening joint;
       joint.kind = OpeningKind::kJoint;
-      joint.open = true;
+      joint.open = length > kOpenJoint * mean;
       joint.samples = {a, b};
       joint.num_simplices = 1;
       joint.volume = length;
       joint.spacing = mean;
       joint.missing = length / mean - 1;
-      joint.expected = samples_.size() * std::exp(-length / mean);
+      joint.expected = std::exp(-length / mean);
+      if (joint.open) {
+        found_.bridges.push_back(e);
+      }
       found_.openings.push_back(std::move(joint));
-      found_.bridges.push_back(e);
     }
   }
 

@@ -258,8 +258,13 @@ def _opening(opening: rm.Opening) -> dict[str, Any]:
 
 def _openings_text(openings: list[dict[str, Any]]) -> str:
     """Counts, and the closest decision."""
-    counts = Counter(f"{one['kind']}s {one['decision']}" for one in openings)
-    lines = [", ".join(f"{count:,} {what}" for what, count in counts.items())]
+    counts = Counter((one["kind"], one["decision"]) for one in openings)
+    lines = [
+        ", ".join(
+            f"{count:,} {kind}{'s' if count > 1 else ''} {decision}"
+            for (kind, decision), count in counts.items()
+        )
+    ]
     weighed = [one for one in openings if one["kind"] != "part" and one["spacing"] > 0]
     if weighed:
         one = weighed[0]

@@ -169,7 +169,7 @@ def test_demo_reports_a_failure(tmp_path):
         check=False,
     )
     assert done.returncode == 1
-    assert "bad.csv, line 1" in done.stderr
+    assert "bad.csv, line 3" in done.stderr
     assert "Traceback" not in done.stderr
 
 
