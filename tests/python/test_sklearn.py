@@ -71,7 +71,7 @@ def test_auto_finds_the_dimension():
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::remanifold.DimensionWarning")
 def test_auto_goes_down_where_nothing_is_spanned():
-    samples = np.random.default_rng(0).normal(size=(40, 10))
+    samples = np.random.default_rng(0).normal(size=(20, 10))
     # The first estimate has no simplices: nobody needs to hear of them.
     model = ManifoldReconstruction().fit(samples)
     assert rm.estimate_dimension(samples).dim > model.n_components_ > 0

@@ -480,7 +480,7 @@ def test_help_has_examples_that_parse(command):
         ("remanifold ", 1, {"reconstruct", "dimension", "info", "convert"}),
         ("remanifold rec", 1, {"reconstruct"}),
         ("remanifold reconstruct a.ply --method ", 4, {"manifold", "paper"}),
-        ("remanifold convert a.ply - --format vt", 5, {"vtk", "vtu"}),
+        ("remanifold convert a.ply - --format vt", 5, {"vtk", "vtp", "vtu"}),
     ],
 )
 def test_completion(words, position, expected):

@@ -349,6 +349,7 @@ def make_scene(complex, limit=100_000, **options):
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::remanifold.ManifoldWarning")
 def test_what_is_drawn_by_dimension(torus, ball, rotations):
     curve = make_scene(rm.reconstruct(rm.datasets.trefoil(80, random_state=0), 1))
     assert [len(lines.edges) for lines in curve.lines] == [80]

@@ -452,7 +452,7 @@ def test_benchmark(tmp_path):
     (result,) = json.loads(file.read_text(encoding="utf-8"))["results"]
     assert result["runs"] == result["wrong"] + result["right"] == 10
     assert 0 < result["warned"] <= result["wrong"]
-    assert result["false alarms"] <= 1
+    assert result["false alarms"] <= 2
     head, _, row, total = done.stdout.splitlines()
     assert head == "|  | samples | runs | wrong | warned | right | false alarms |"
     assert row.startswith("| projective plane in R^5 | ")
