@@ -56,7 +56,7 @@ class Smoothing(ReadOnlyArrays):
         remain: noise that neighborhoods of this size leave, and bias.
     resolution : float
         With `reconstruct`: smoothed samples nearer to each other than this, four
-        times `remaining_error`, carry no more shape, and one of them is a vertex. 0 where all
+        times ``remaining_error``, carry no more shape: one of them is a vertex. 0 where all
         are.
     drowned : bool
         The noise is as large as the shape: no neighborhood is wide enough to average it

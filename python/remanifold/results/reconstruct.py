@@ -89,7 +89,7 @@ def reconstruct(
         Manifold method, up to K = 3, where `hole_radius` is not given: where the complex
         goes through a place at which so many samples are missing that chance leaves one
         like it in no more than this share of such data, the place is opened. 1e-3 by
-        default; 0 opens nothing. `Reconstruction.openings` lists what was decided.
+        default; 0 opens nothing. ``rec.openings`` lists what was decided.
     outliers : "auto", False or float, optional
         Distance from the manifold of the others at which a sample is left out, in local
         scales; "auto", by default with the manifold method, is 2. See `find_outliers`.

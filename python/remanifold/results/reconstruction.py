@@ -57,7 +57,7 @@ class Reconstruction(JudgedReconstruction, SimplicialComplex):
         What ``attributes=`` gave, a row for each sample.
     attached : ndarray of int32
         Smoothed samples that are in no simplex, ascending: nearer to others than
-        `Smoothing.resolution`, they would show what is left of the noise.
+        ``smoothing.resolution``, they would show what is left of the noise.
     smoothing : Smoothing or None
         How noisy the samples were and what was done about it; None with
         ``smooth=False``.
@@ -105,7 +105,7 @@ class Reconstruction(JudgedReconstruction, SimplicialComplex):
         )
 
     def plot_openings(self, screenshot: StrPath | None = None) -> Any:
-        """Draw the size of each place in `openings` over its evidence.
+        """Draw the size of each place in ``openings`` over its evidence.
 
         As in a persistence diagram, what is near the line was a close decision.
 
