@@ -152,20 +152,11 @@ void leave_out_flat(const Samples& samples, ManifoldComplex& complex,
   report.filled = std::move(filled);
   simplices = std::move(kept);
 
-  const FacetGroups groups = group_facets(simplices, samples.size(), execution);
-  report.open_facets = report.branching_facets = {};
-  report.open_facets.arity = report.branching_facets.arity = arity - 1;
-  std::vector<Index> facet(arity - 1);
-  for (Offset g = 0; g < groups.size(); ++g) {
-    if (groups.cofaces(g) != 2) {
-      copy_facet(simplices, groups.facets[groups.offsets[g]], facet.data());
-      detail::append_row(
-          groups.cofaces(g) == 1 ? report.open_facets : report.branching_facets,
-          facet.data());
-    }
-  }
-  report.singular = singular_vertices(
-      simplices, std::vector<std::uint8_t>(samples.size(), 1), execution);
+  const std::vector<std::uint8_t> all(samples.size(), 1);
+  UnpairedFacets unpaired = unpaired_facets(simplices, all, execution);
+  report.open_facets = std::move(unpaired.open);
+  report.branching_facets = std::move(unpaired.branching);
+  report.singular = singular_vertices(simplices, all, execution);
   complex.patches =
       orient_patches(facet_neighbors(simplices, samples.size(), execution), arity);
 }

@@ -32,6 +32,16 @@ FacetGroups group_facets(const SimplexArray& simplices, Index num_vertices,
 /// The vertices of a facet.
 void copy_facet(const SimplexArray& simplices, FacetNumber facet, Index* out);
 
+/// Facets, all of whose vertices are inside, that not exactly two simplices share.
+struct UnpairedFacets {
+  SimplexArray open;       ///< with one coface
+  SimplexArray branching;  ///< with more than two
+};
+/// \param inside  of each sample; all simplices on facets inside must be given
+UnpairedFacets unpaired_facets(const SimplexArray& simplices,
+                               const std::vector<std::uint8_t>& inside,
+                               const Execution& execution = {});
+
 /// The edges of the simplices, i < j, sorted.
 SimplexArray edges_of(const SimplexArray& simplices, Index num_vertices);
 

@@ -68,8 +68,8 @@ struct ManifoldReport {
   Index cavities = 0;
   Index cut = 0;       ///< cavities cut into windows, each a program
   Index programs = 0;  ///< linear ones: of cavities, and of windows
-  Index integer_programs =
-      0;  ///< degrees of curves, and what a linear one left in parts
+  /// Degrees of curves, and what a linear one left in parts.
+  Index integer_programs = 0;
   Index largest_program = 0;  ///< its candidates
   Index unsolved = 0;
 };

@@ -72,27 +72,6 @@ void CavityWindows::touch(Index facet) {
   }
 }
 
-/// Breadth first through facets.
-void CavityWindows::grow(Index seed, std::vector<Index>& grown) {
-  grown.assign(1, seed);
-  marked_[seed] = 1;
-  for (std::size_t next = 0; next < grown.size(); ++next) {
-    const Index* facets = cavities_.facets_without(grown[next]);
-    for (int i = 0; i < arity_; ++i) {
-      for (const Index* c = cavities_.candidates_on.begin(facets[i]);
-           c != cavities_.candidates_on.end(facets[i]); ++c) {
-        if (decided_[*c] == 0 && marked_[*c] == 0) {
-          if (static_cast<Index>(grown.size()) == size_) {
-            return;
-          }
-          marked_[*c] = 1;
-          grown.push_back(*c);
-        }
-      }
-    }
-  }
-}
-
 CavityPart CavityWindows::next() {
   CavityPart part;
   part.cavities = &cavities_;
@@ -102,8 +81,10 @@ CavityPart CavityWindows::next() {
   if (front_.empty()) {
     return part;
   }
-  std::vector<Index> grown;
-  grow(front_.top(), grown);
+  std::vector<Index> grown{front_.top()};
+  marked_[front_.top()] = 1;
+  grow_through_facets(
+      cavities_, size_, [&](Index c) { return decided_[c] == 0; }, marked_, grown);
   part.candidates = grown;
   std::sort(part.candidates.begin(), part.candidates.end());
   for (const Index c : part.candidates) {

@@ -55,6 +55,33 @@ struct CavityPart {
   }
 };
 
+/// Sign of the facet of a simplex that leaves out the vertex at a position.
+inline int parity(Offset position) { return position % 2 == 0 ? 1 : -1; }
+
+/// Adds candidates until there are `most`, breadth first through facets.
+/// \param is_free  whether a candidate may be taken
+/// \param marked   of each candidate: whether it is among the grown ones
+template <class IsFree>
+void grow_through_facets(const Cavities& cavities, Index most, const IsFree& is_free,
+                         std::vector<std::uint8_t>& marked, std::vector<Index>& grown) {
+  for (std::size_t next = 0; next < grown.size(); ++next) {
+    const Index* facets = cavities.facets_without(grown[next]);
+    for (int i = 0; i < cavities.candidates.arity; ++i) {
+      for (const Index* c = cavities.candidates_on.begin(facets[i]);
+           c != cavities.candidates_on.end(facets[i]); ++c) {
+        if (marked[*c] != 0 || !is_free(*c)) {
+          continue;
+        }
+        if (static_cast<Index>(grown.size()) == most) {
+          return;
+        }
+        marked[*c] = 1;
+        grown.push_back(*c);
+      }
+    }
+  }
+}
+
 CavityPart whole_cavity(const Cavities& cavities, Index cavity);
 
 /// The windows of cavities, one after the other.
@@ -75,7 +102,6 @@ class CavityWindows {
 
  private:
   void touch(Index facet);
-  void grow(Index seed, std::vector<Index>& grown);
 
   const Cavities& cavities_;
   int arity_;

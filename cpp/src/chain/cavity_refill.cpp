@@ -2,6 +2,7 @@
 #include "chain/cavity_refill.hpp"
 
 #include "base/sort_unique.hpp"
+#include "chain/cavity_part.hpp"
 
 #include <algorithm>
 #include <set>
@@ -38,25 +39,16 @@ void CavityRefill::choose(Index candidate, int change) {
   }
 }
 
-/// Breadth first through facets.
 CavityRefill::Neighborhood CavityRefill::around(Index facet) {
   Neighborhood near;
-  const auto take = [&](Index f) {
-    for (const Index* c = cavities_.candidates_on.begin(f);
-         c != cavities_.candidates_on.end(f); ++c) {
-      if (marked_[*c] == 0 && static_cast<Index>(near.candidates.size()) < size_) {
-        marked_[*c] = 1;
-        near.candidates.push_back(*c);
-      }
-    }
-  };
-  take(facet);
-  for (std::size_t next = 0; next < near.candidates.size(); ++next) {
-    const Index* facets = cavities_.facets_without(near.candidates[next]);
-    for (int i = 0; i < arity_; ++i) {
-      take(facets[i]);
-    }
+  const Offset seeds = std::min<Offset>(size_, cavities_.candidates_on.size(facet));
+  near.candidates.assign(cavities_.candidates_on.begin(facet),
+                         cavities_.candidates_on.begin(facet) + seeds);
+  for (const Index c : near.candidates) {
+    marked_[c] = 1;
   }
+  grow_through_facets(
+      cavities_, size_, [](Index) { return true; }, marked_, near.candidates);
   for (std::size_t i = 0; i < near.candidates.size(); ++i) {
     const Index c = near.candidates[i];
     marked_[c] = 0;
@@ -164,14 +156,8 @@ void CavityRefill::run(Index cavity, const ProgramSolver& solver,
     const auto set = [&](const auto& wanted) {
       for (std::size_t i = 0; i < near.candidates.size(); ++i) {
         const Index c = near.candidates[i];
-        if (chosen_[c] != 0 && !wanted(i)) {
-          choose(c, -1);
-        }
-      }
-      for (std::size_t i = 0; i < near.candidates.size(); ++i) {
-        const Index c = near.candidates[i];
-        if (chosen_[c] == 0 && wanted(i)) {
-          choose(c, 1);
+        if ((chosen_[c] != 0) != wanted(i)) {
+          choose(c, wanted(i) ? 1 : -1);
         }
       }
     };

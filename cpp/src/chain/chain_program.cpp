@@ -11,8 +11,6 @@ namespace {
 
 constexpr double kIntegral = 1e-6;
 
-int parity(Offset position) { return position % 2 == 0 ? 1 : -1; }
-
 bool is_fraction(double share) {
   return std::abs(share - std::round(share)) >= kIntegral;
 }

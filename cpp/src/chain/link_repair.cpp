@@ -364,18 +364,7 @@ std::vector<Index> open_vertices(const SimplexArray& simplices,
                                  const Execution& execution) {
   const SimplexArray near = detail::select_rows(
       simplices, detail::rows_near(simplices, marked, simplices.arity - 1, execution));
-  const FacetGroups groups =
-      group_facets(near, static_cast<Index>(marked.size()), execution);
-  std::vector<Index> facet(simplices.arity - 1);
-  std::vector<Index> result;
-  for (Offset g = 0; g < groups.size(); ++g) {
-    copy_facet(near, groups.facets[groups.offsets[g]], facet.data());
-    if (groups.cofaces(g) == 1 && std::all_of(facet.begin(), facet.end(), [&](Index v) {
-          return marked[v] != 0;
-        })) {
-      result.insert(result.end(), facet.begin(), facet.end());
-    }
-  }
+  std::vector<Index> result = unpaired_facets(near, marked, execution).open.vertices;
   detail::sort_unique(result);
   return result;
 }

@@ -40,9 +40,6 @@ constexpr double kSharpFold = -0.5;
 constexpr int kNeighborsPerDim = 4;
 /// Openings of which more are to be expected by chance are not worth a mention.
 constexpr double kMostExpected = 1;
-/// hole_radius at what was opened by evidence: what is wider than gaps of even samples
-/// stays open.
-constexpr double kOpenedRadius = 1.4;
 /// What is opened shows more around it; rounds of that.
 constexpr int kOpeningRounds = 3;
 /// More cliques than this for each sample around what is open are too many to choose from.
@@ -271,20 +268,8 @@ class ManifoldBuilder {
   /// Fills the cavities from the pool. What stays open is left for the next time, with
   /// what is near, unless this is the last.
   void fill(bool last) {
-    const std::vector<Offset> numbers =
-        detail::rows_near(fixed_, unsettled_, dim_, execution_);
-    const SimplexArray near = detail::select_rows(fixed_, numbers);
-    Cavities cavities =
-        find_cavities(near, unsettled_, pool_, ruler_, price_,
-                      options_.boundary == BoundaryRule::kNone, execution_);
-    for (FacetNumber& rim : cavities.rims) {
-      if (rim != kOpen) {
-        rim = numbers[rim / arity_] * arity_ + rim % arity_;
-      }
-    }
-    const ChainFill chain = fill_cavities(cavities, fixed_, samples_.size(),
-                                          options_.chain, solver_, execution_);
-    count_programs(cavities, chain);
+    const auto [near, cavities, chain] =
+        fill_from_pool(fixed_, unsettled_, options_.boundary == BoundaryRule::kNone);
 
     // What stays open is up for choice again, with what is near.
     std::vector<std::uint8_t> open_again(cavities.energies.size(), 0);
@@ -319,6 +304,31 @@ class ManifoldBuilder {
     }
   }
 
+  struct Filling {
+    SimplexArray near;  ///< fixed simplices around the cavities
+    Cavities cavities;
+    ChainFill chain;
+  };
+  /// Fills what the fixed simplices leave inside with candidates of the pool.
+  Filling fill_from_pool(const SimplexArray& fixed,
+                         const std::vector<std::uint8_t>& inside, bool fold_back) {
+    const std::vector<Offset> numbers =
+        detail::rows_near(fixed, inside, dim_, execution_);
+    Filling filling;
+    filling.near = detail::select_rows(fixed, numbers);
+    filling.cavities = find_cavities(filling.near, inside, pool_, ruler_, price_,
+                                     fold_back, execution_);
+    for (FacetNumber& rim : filling.cavities.rims) {
+      if (rim != kOpen) {
+        rim = numbers[rim / arity_] * arity_ + rim % arity_;
+      }
+    }
+    filling.chain = fill_cavities(filling.cavities, fixed, samples_.size(),
+                                  options_.chain, solver_, execution_);
+    count_programs(filling.cavities, filling.chain);
+    return filling;
+  }
+
   void count_programs(const Cavities& cavities, const ChainFill& chain) {
     ManifoldReport& report = result_.report;
     report.cavities += cavities.count();
@@ -346,16 +356,18 @@ class ManifoldBuilder {
     const auto any_marked = [&](const std::vector<std::uint8_t>& of, const Index* row) {
       return std::any_of(row, row + arity_, [&](Index v) { return of[v] != 0; });
     };
-    std::vector<std::uint8_t> covered(samples_.size(), 0);
     for (int ring = 0; ring < kRings; ++ring) {
       const std::vector<std::uint8_t> before = marked;
       for (Offset s = 0; s < simplices.size(); ++s) {
         const bool reached = any_marked(before, simplices[s]);
         for (int i = 0; i < arity_; ++i) {
-          covered[simplices[s][i]] = 1;
           marked[simplices[s][i]] |= static_cast<std::uint8_t>(reached);
         }
       }
+    }
+    std::vector<std::uint8_t> covered(samples_.size(), 0);
+    for (const Index v : simplices.vertices) {
+      covered[v] = 1;
     }
     const std::vector<std::uint8_t> reached = marked;
     for (Offset s = 0; s < cavities.candidates.size(); ++s) {
@@ -369,15 +381,16 @@ class ManifoldBuilder {
     return marked;
   }
 
+  /// What was opened by evidence stays open where it is wider than gaps of even samples.
   double price_of(const Index* facet) {
     const double size = ruler_.facet_size(facet, dim_);
     if (options_.boundary == BoundaryRule::kAuto) {
       const bool opened =
           !opened_.empty() &&
           std::all_of(facet, facet + dim_, [&](Index v) { return opened_[v] != 0; });
-      return size * open_price(dim_, opened
-                                         ? std::min(kOpenedRadius, options_.hole_radius)
-                                         : options_.hole_radius);
+      return size *
+             open_price(dim_, opened ? std::min(kEvenHoleRadius, options_.hole_radius)
+                                     : options_.hole_radius);
     }
     const bool allowed = options_.boundary == BoundaryRule::kGiven &&
                          std::all_of(facet, facet + dim_, [&](Index v) {
@@ -449,19 +462,9 @@ class ManifoldBuilder {
     }
     report.singular = singular_vertices(result_.simplices, marked, execution_);
     // All others have whole stars.
-    report.open_facets.arity = report.branching_facets.arity = dim_;
-    const FacetGroups groups = group_facets(touched, samples_.size(), execution_);
-    std::vector<Index> facet(dim_);
-    for (Offset g = 0; g < groups.size(); ++g) {
-      copy_facet(touched, groups.facets[groups.offsets[g]], facet.data());
-      if (groups.cofaces(g) != 2 &&
-          std::all_of(facet.begin(), facet.end(),
-                      [&](Index v) { return unsettled_[v] != 0; })) {
-        detail::append_row(
-            groups.cofaces(g) == 1 ? report.open_facets : report.branching_facets,
-            facet.data());
-      }
-    }
+    UnpairedFacets unpaired = unpaired_facets(touched, unsettled_, execution_);
+    report.open_facets = std::move(unpaired.open);
+    report.branching_facets = std::move(unpaired.branching);
     orient_result();
   }
 
@@ -508,13 +511,13 @@ class ManifoldBuilder {
     return true;
   }
 
-  /// Next to a bridge, what would be fixed with a hole_radius of kOpenedRadius stays: a
+  /// Next to a bridge, what would be fixed with a hole_radius of kEvenHoleRadius stays: a
   /// cluster reaches into the manifold where that is sampled thinly.
   void keep_certain(std::vector<Offset>& bridges) {
     if (bridges.empty() || dim_ == 1) {
       return;
     }
-    const double certain = options_.hole_share * kOpenedRadius;
+    const double certain = options_.hole_share * kEvenHoleRadius;
     SimplexArray agreed = fixed_;
     agreed.vertices.resize(static_cast<std::size_t>(num_agreed_) * arity_);
     bridges.erase(
@@ -591,19 +594,8 @@ class ManifoldBuilder {
         detail::append_row(pool_, (*simplices)[s]);
       }
     }
-    const std::vector<Offset> numbers =
-        detail::rows_near(result_.simplices, opened_, dim_, execution_);
-    Cavities cavities =
-        find_cavities(detail::select_rows(result_.simplices, numbers), opened_, pool_,
-                      ruler_, price_, false, execution_);
-    for (FacetNumber& rim : cavities.rims) {
-      if (rim != kOpen) {
-        rim = numbers[rim / arity_] * arity_ + rim % arity_;
-      }
-    }
-    const ChainFill chain = fill_cavities(cavities, result_.simplices, samples_.size(),
-                                          options_.chain, solver_, execution_);
-    count_programs(cavities, chain);
+    const auto [near, cavities, chain] =
+        fill_from_pool(result_.simplices, opened_, false);
     for (const Index c : chain.chosen) {
       detail::append_row(result_.simplices, cavities.candidates[c]);
     }

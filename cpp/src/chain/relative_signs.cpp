@@ -8,8 +8,6 @@
 namespace remanifold::detail {
 namespace {
 
-int parity(Offset position) { return position % 2 == 0 ? 1 : -1; }
-
 /// The walk from the first group on, cheapest candidates first. The side of a simplex at
 /// one of its facets is its sign there in the boundary: where two simplices are oriented
 /// alike, their sides at a common facet are opposite.

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Signs that make the rims of a cavity, or of a part of one, agree where its fixed simplices do not tell:
-// groups of rims whose orientation to each other is open are joined by the cheapest way
-// through the candidates between them, which is where a filling of least energy is
-// likeliest to run. One walk, as many steps as there are candidates and facets.
+// Signs that make the rims of a cavity, or of a part of one, agree where its fixed
+// simplices do not tell: groups of rims whose orientation to each other is open are joined
+// by the cheapest way through the candidates between them, which is where a filling of
+// least energy is likeliest to run. One walk, as many steps as there are candidates and
+// facets.
 #pragma once
 
 #include "chain/cavity_part.hpp"

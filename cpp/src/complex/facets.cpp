@@ -117,6 +117,28 @@ FacetGroups group_facets(const SimplexArray& simplices, Index num_vertices,
   return groups;
 }
 
+UnpairedFacets unpaired_facets(const SimplexArray& simplices,
+                               const std::vector<std::uint8_t>& inside,
+                               const Execution& execution) {
+  UnpairedFacets result;
+  result.open.arity = result.branching.arity = simplices.arity - 1;
+  const FacetGroups groups =
+      group_facets(simplices, static_cast<Index>(inside.size()), execution);
+  std::vector<Index> facet(simplices.arity - 1);
+  for (Offset g = 0; g < groups.size(); ++g) {
+    if (groups.cofaces(g) == 2) {
+      continue;
+    }
+    copy_facet(simplices, groups.facets[groups.offsets[g]], facet.data());
+    if (std::all_of(facet.begin(), facet.end(),
+                    [&](Index v) { return inside[v] != 0; })) {
+      detail::append_row(groups.cofaces(g) == 1 ? result.open : result.branching,
+                         facet.data());
+    }
+  }
+  return result;
+}
+
 SimplexArray edges_of(const SimplexArray& simplices, Index num_vertices) {
   const int arity = simplices.arity;
   // By the lower end.
