@@ -13,7 +13,6 @@ are wrong and no others.
 
 from __future__ import annotations
 
-import json
 import os
 import warnings
 from collections import Counter
@@ -24,10 +23,17 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 from rich.console import Console
-from rich.table import Table
 
 import remanifold as rm
-from command import JobsOption, JsonOption, MarkdownOption, TimeLimitOption, make_app
+from command import (
+    JobsOption,
+    JsonOption,
+    MarkdownOption,
+    TimeLimitOption,
+    make_app,
+    print_table,
+    write_report,
+)
 from judge import judge
 from processes import Failure, run_all
 from remanifold import datasets
@@ -168,18 +174,16 @@ def main(
                 **{head: counts_of(outcomes)[head] for head in HEADS[2:]},
             }
         )
-        if json_file is not None:
-            report = {"remanifold": rm.__version__, "noise": noise, "results": records}
-            json_file.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+        write_report(
+            json_file,
+            {"remanifold": rm.__version__, "noise": noise, "results": records},
+        )
     lines = [cells_of(record) for record in records]
     total: Counter[str] = Counter()
     for record in records:
         total.update({head: record[head] for head in HEADS[2:]})
     lines.append(["all", "", *_cells(total)])
-    if markdown:
-        typer.echo(_markdown(lines))
-    else:
-        Console(highlight=False).print(_table(lines))
+    print_table(HEADS, lines, markdown=markdown)
 
 
 def cells_of(record: dict[str, Any]) -> list[str]:
@@ -200,20 +204,6 @@ def _cells(counts: Any) -> list[str]:
         str(counts["right"]),
         share("false alarms", "right"),
     ]
-
-
-def _table(lines: Sequence[Sequence[str]]) -> Table:
-    table = Table(box=None, pad_edge=False)
-    for i, head in enumerate(HEADS):
-        table.add_column(head, justify="right" if i else "left")
-    for line in lines:
-        table.add_row(*line)
-    return table
-
-
-def _markdown(lines: Sequence[Sequence[str]]) -> str:
-    rows = [list(HEADS), ["---"] + ["---:"] * (len(HEADS) - 1), *lines]
-    return "\n".join(f"| {' | '.join(row)} |" for row in rows)
 
 
 if __name__ == "__main__":

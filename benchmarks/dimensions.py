@@ -11,7 +11,6 @@ The thresholds were chosen with the shapes and the sets in view, not with the ot
 
 from __future__ import annotations
 
-import json
 import statistics
 import time
 from collections.abc import Iterator, Sequence
@@ -20,14 +19,13 @@ from typing import Annotated, Any
 
 import numpy as np
 import typer
-from rich.console import Console
 
 import remanifold as rm
-from command import JsonOption, MarkdownOption, make_app
+from command import JsonOption, MarkdownOption, make_app, print_lines, write_report
 from other_manifolds import OTHERS, Manifold
 from remanifold import datasets
 from samples import add_normal_noise
-from success_rates import GRIDS, TABLE, Row, _markdown, _table
+from success_rates import GRIDS, TABLE, Row
 
 MIN_SAMPLES = 12
 USUAL = {"fruit_bowl": 3338}  # figure 7 of the paper
@@ -198,16 +196,14 @@ def main(
             chosen = [row for row in rows() if not shape or row.name in shape]
         records = list(of_manifolds(chosen, noises, seeds, factor))
         lines = [cells_of_shape(record) for record in records]
-    if json_file is not None:
-        report = {"remanifold": rm.__version__, "factor": factor, "results": records}
-        json_file.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+    write_report(
+        json_file,
+        {"remanifold": rm.__version__, "factor": factor, "results": records},
+    )
     if not lines:
         typer.echo("no data", err=True)
         raise typer.Exit(1)
-    if markdown:
-        typer.echo(_markdown(lines))
-    else:
-        Console(highlight=False).print(_table(lines))
+    print_lines(lines, markdown=markdown)
 
 
 if __name__ == "__main__":

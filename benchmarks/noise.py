@@ -14,9 +14,7 @@ process of its own.
 
 from __future__ import annotations
 
-import contextlib
 import functools
-import json
 import math
 import os
 import statistics
@@ -29,15 +27,22 @@ from typing import Annotated, Any
 
 import numpy as np
 import typer
-from rich.console import Console
 
 import remanifold as rm
-from command import JobsOption, JsonOption, MarkdownOption, TimeLimitOption, make_app
+from command import (
+    JobsOption,
+    JsonOption,
+    MarkdownOption,
+    TimeLimitOption,
+    gather,
+    make_app,
+    one_of,
+    print_lines,
+)
 from judge import judge
-from processes import Failure, run_all
+from processes import over_all_seeds
 from remanifold import datasets
-from samples import spacing
-from success_rates import _markdown, _one_of, _table
+from samples import distances_to_planes, distances_to_torus, spacing
 
 LEVELS = (0.1, 0.5, 1.0, 2.0, 4.0)
 SAMPLES = (5_000, 20_000, 50_000)
@@ -75,8 +80,7 @@ app = make_app()
 def distances(positions: Any, name: str, points: Any) -> Any:
     """Distances along the normals to the manifold that ``points`` lie on exactly."""
     if name == "torus":
-        around = np.hypot(positions[:, 0], positions[:, 1]) - 1.0
-        return np.abs(np.hypot(around, positions[:, 2]) - 0.4)
+        return distances_to_torus(positions)
     if name in ("circle", "sphere", "sphere_3", "spherical_cap"):
         return np.abs(np.linalg.norm(positions, axis=1) - 1.0)
     if name.startswith("flat_torus"):
@@ -84,7 +88,11 @@ def distances(positions: Any, name: str, points: Any) -> Any:
     if name == "annulus_in_4":
         plane = np.linalg.svd(points, full_matrices=False)[2][:2]
         return np.linalg.norm(positions - positions @ plane.T @ plane, axis=1)
-    return _to_planes(positions, SHAPES[name])
+    shape = SHAPES[name]
+    dense = shape.generate(DENSE, random_state=12_345)
+    return distances_to_planes(
+        positions, shape.dim, dense, 60 * shape.dim, 8 * shape.dim
+    )
 
 
 def _to_flat_torus(positions: Any, name: str, points: Any) -> Any:
@@ -116,21 +124,6 @@ def _planes_of_circles(coordinates: Any, dim: int) -> Any:
     mixed[first, second] = rng.normal(size=len(constant)) @ constant
     _, planes = np.linalg.eigh(mixed + mixed.T)
     return planes.T
-
-
-def _to_planes(positions: Any, shape: datasets.Shape) -> Any:
-    dim = shape.dim
-    dense = shape.generate(DENSE, random_state=12_345)
-    both = np.vstack([positions, dense])
-    # Of positions near each other enough dense samples must be left.
-    near = rm.neighborhoods(both, 60 * dim, num_threads=1).indices[: len(positions)]
-    order = np.argsort(near < len(positions), axis=1, kind="stable")
-    patches = both[np.take_along_axis(near, order[:, : 8 * dim], axis=1)]
-    nearest = patches[:, 0]  # on the manifold, as the mean of a bent patch is not
-    planes = np.linalg.svd(patches - nearest[:, None], full_matrices=False)[2][:, :dim]
-    away = positions - nearest
-    along = np.einsum("nkd,nd->nk", planes, away)
-    return np.linalg.norm(away - np.einsum("nkd,nk->nd", planes, along), axis=1)
 
 
 # ---------------------------------------------------------------------------- one run
@@ -217,13 +210,9 @@ def _cpu_of(work: Callable[[], Any]) -> tuple[float, Any]:
 
 def record_of(task: Task, seeds: int, jobs: int) -> dict[str, Any]:
     """The runs of all seeds of a line of the table."""
-    tasks = [Task(**{**vars(task), "seed": seed}) for seed in range(seeds)]
-    outcomes: dict[int, Outcome] = {}
-    runs = run_all(measure, tasks, jobs, task.time_limit)
-    with contextlib.closing(runs):
-        for done, result in runs:
-            failed = isinstance(result, Failure)
-            outcomes[done.seed] = Outcome((result.reason,)) if failed else result
+    outcomes = over_all_seeds(
+        measure, task, seeds, jobs, lambda failure: Outcome((failure.reason,))
+    )
 
     def over_seeds(name: str) -> float | None:
         values = [getattr(o, name) for o in outcomes.values()]
@@ -287,7 +276,7 @@ def main(
         typer.Option(
             help="Row of the table by the name of its shape; may be repeated.",
             show_default="all",
-            callback=lambda names: _one_of(list(TABLE))(names or []),
+            callback=lambda names: one_of(list(TABLE))(names or []),
         ),
     ] = None,
     samples: Annotated[
@@ -314,7 +303,7 @@ def main(
         typer.Option(
             metavar="[auto|no]",
             help="What is done about it.",
-            callback=_one_of(["auto", "no"]),
+            callback=one_of(["auto", "no"]),
         ),
     ] = "auto",
     best: Annotated[
@@ -343,27 +332,10 @@ def main(
     measured = functools.partial(
         record_of, seeds=seeds, jobs=jobs or os.cpu_count() or 1
     )
-    records = []
-    messages = Console(stderr=True, soft_wrap=True, highlight=False)
-    with messages.status("") as status:
-        for i, record in enumerate(map(measured, tasks), start=1):
-            records.append(record)
-            status.update(f"{i} of {len(tasks)} lines")
-            if json_file is not None:  # after each line: a long run may be broken off
-                report = {
-                    "remanifold": rm.__version__,
-                    "seeds": seeds,
-                    "smooth": smooth,
-                    "results": records,
-                }
-                text = json.dumps(report, indent=2)
-                json_file.write_text(text + "\n", encoding="utf-8")
-
+    about = {"remanifold": rm.__version__, "seeds": seeds, "smooth": smooth}
+    records = gather(map(measured, tasks), len(tasks), "lines", json_file, about)
     lines = [cells_of(record, best) for record in records]
-    if markdown:
-        typer.echo(_markdown(lines))
-    else:
-        Console(highlight=False).print(_table(lines))
+    print_lines(lines, markdown=markdown)
 
 
 if __name__ == "__main__":

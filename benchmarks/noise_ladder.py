@@ -14,9 +14,7 @@ outliers counted alone. Every run has a process of its own.
 
 from __future__ import annotations
 
-import contextlib
 import functools
-import json
 import math
 import os
 import statistics
@@ -30,16 +28,24 @@ from typing import Annotated, Any
 
 import numpy as np
 import typer
-from rich.console import Console
 
 import remanifold as rm
-from command import JobsOption, JsonOption, MarkdownOption, TimeLimitOption, make_app
+from command import (
+    JobsOption,
+    JsonOption,
+    MarkdownOption,
+    TimeLimitOption,
+    gather,
+    make_app,
+    one_of,
+    print_lines,
+)
 from judge import judge
-from processes import Failure, run_all, run_command
+from processes import Failure, over_all_seeds, run_command
 from remanifold import datasets
-from samples import add_normal_noise, spacing
+from samples import add_normal_noise, distances_to_planes, distances_to_torus, spacing
 from side_by_side import DRIVERS
-from success_rates import Row, _markdown, _one_of, _table
+from success_rates import Row
 
 TABLE = (
     Row("torus in R^3", "torus", 3000),
@@ -91,8 +97,7 @@ def _flat_torus(points: Any, seed: int) -> tuple[Any, Any]:
 def distances(positions: Any, row: Row, points: Any, seed: int) -> Any:
     """Distances to the manifold that ``points`` lie on exactly."""
     if row.shape == "torus":
-        around = np.hypot(positions[:, 0], positions[:, 1]) - 1.0
-        return np.abs(np.hypot(around, positions[:, 2]) - 0.4)
+        return distances_to_torus(positions)
     if row.shape == "flat_torus_in_100":
         _, embedding = _flat_torus(points, seed)
         flat = positions @ np.linalg.pinv(embedding)
@@ -105,17 +110,8 @@ def distances(positions: Any, row: Row, points: Any, seed: int) -> Any:
         left[:, :, 2] *= np.sign(np.linalg.det(left @ right))[:, None]
         return np.linalg.norm((matrices - left @ right).reshape(-1, 9), axis=1)
     dim = datasets.SHAPES[row.shape].dim
-    both = np.vstack([positions, row.draw(DENSE, 12_345)])
-    # Of positions near each other enough dense samples must be left.
-    near = rm.neighborhoods(both, 40 * dim, num_threads=1).indices[: len(positions)]
-    order = np.argsort(near < len(positions), axis=1, kind="stable")
-    patches = both[np.take_along_axis(near, order[:, : 10 * dim], axis=1)]
-    nearest = patches[:, 0]  # on the manifold, as the mean of a bent patch is not
-    offsets = patches - nearest[:, None]
-    planes = np.linalg.svd(offsets, full_matrices=False)[2][:, :dim]
-    away = positions - nearest
-    along = np.einsum("nkd,nd->nk", planes, away)
-    return np.linalg.norm(away - np.einsum("nkd,nk->nd", planes, along), axis=1)
+    dense = row.draw(DENSE, 12_345)
+    return distances_to_planes(positions, dim, dense, 40 * dim, 10 * dim)
 
 
 def with_outliers(points: Any, share: float, seed: int) -> tuple[Any, Any]:
@@ -239,13 +235,9 @@ PEER_RUNS: dict[str, Callable[[Any, Task], tuple[Any, Any]]] = {
 
 def record_of(task: Task, seeds: int, jobs: int) -> dict[str, Any]:
     """The runs of all seeds of a line of the table."""
-    tasks = [Task(**{**vars(task), "seed": seed}) for seed in range(seeds)]
-    outcomes: dict[int, Outcome] = {}
-    runs = run_all(measure, tasks, jobs, task.time_limit)
-    with contextlib.closing(runs):
-        for done, result in runs:
-            failed = isinstance(result, Failure)
-            outcomes[done.seed] = Outcome((result.reason,)) if failed else result
+    outcomes = over_all_seeds(
+        measure, task, seeds, jobs, lambda failure: Outcome((failure.reason,))
+    )
 
     def over_seeds(function: Callable[[Any], float], name: str) -> float | None:
         values = [getattr(o, name) for o in outcomes.values()]
@@ -324,7 +316,7 @@ def main(
         typer.Option(
             help="Row of the table by the name of its shape; may be repeated.",
             show_default="all",
-            callback=lambda names: _one_of([row.name for row in TABLE])(names or []),
+            callback=lambda names: one_of([row.name for row in TABLE])(names or []),
         ),
     ] = None,
     seeds: Annotated[int, typer.Option(min=1, help="Samplings of each shape.")] = 20,
@@ -353,7 +345,7 @@ def main(
         typer.Option(
             metavar="[auto|no]",
             help="What remanifold does.",
-            callback=_one_of(["auto", "no"]),
+            callback=one_of(["auto", "no"]),
         ),
     ] = "auto",
     peers: Annotated[
@@ -393,30 +385,13 @@ def main(
             time_limit,
         )
     )
-    messages = Console(stderr=True, soft_wrap=True, highlight=False)
     measured = functools.partial(
         record_of, seeds=seeds, jobs=jobs or os.cpu_count() or 1
     )
-    records = []
-    with messages.status("") as status:
-        for i, record in enumerate(map(measured, tasks), start=1):
-            records.append(record)
-            status.update(f"{i} of {len(tasks)} lines")
-            if json_file is not None:  # after each line: a long run may be broken off
-                report = {
-                    "remanifold": rm.__version__,
-                    "seeds": seeds,
-                    "smooth": smooth,
-                    "results": records,
-                }
-                text = json.dumps(report, indent=2)
-                json_file.write_text(text + "\n", encoding="utf-8")
-
+    about = {"remanifold": rm.__version__, "seeds": seeds, "smooth": smooth}
+    records = gather(map(measured, tasks), len(tasks), "lines", json_file, about)
     lines = [cells_of(record, any(outliers or []), peers) for record in records]
-    if markdown:
-        typer.echo(_markdown(lines))
-    else:
-        Console(highlight=False).print(_table(lines))
+    print_lines(lines, markdown=markdown)
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
 import multiprocessing
@@ -13,7 +14,7 @@ import subprocess
 import time
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from multiprocessing import connection
 from typing import Any
 
@@ -67,6 +68,23 @@ def run_all(
         for process, *_ in running.values():
             process.kill()
             process.join()
+
+
+def over_all_seeds(
+    work: Callable[[Any], Any],
+    task: Any,
+    seeds: int,
+    jobs: int,
+    failed: Callable[[Failure], Any],
+) -> dict[int, Any]:
+    """Results of a task with each seed; of those that failed what stands for it."""
+    outcomes: dict[int, Any] = {}
+    tasks = [replace(task, seed=seed) for seed in range(seeds)]
+    with contextlib.closing(run_all(work, tasks, jobs, task.time_limit)) as runs:
+        for done, result in runs:
+            lost = isinstance(result, Failure)
+            outcomes[done.seed] = failed(result) if lost else result
+    return outcomes
 
 
 def run_command(

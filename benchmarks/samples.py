@@ -34,6 +34,32 @@ def add_normal_noise(
     return points + moves - np.einsum("nkd,nk->nd", tangents, along)
 
 
+def distances_to_planes(
+    positions: Any, dim: int, dense: Any, searched: int, patch: int
+) -> Any:
+    """Distances to a manifold that many samples without noise show.
+
+    Each is that to the plane of so many dense samples near a position, which are looked
+    for among so many neighbors.
+    """
+    both = np.vstack([positions, dense])
+    # Of positions near each other enough dense samples must be left.
+    near = rm.neighborhoods(both, searched, num_threads=1).indices[: len(positions)]
+    order = np.argsort(near < len(positions), axis=1, kind="stable")
+    patches = both[np.take_along_axis(near, order[:, :patch], axis=1)]
+    nearest = patches[:, 0]  # on the manifold, as the mean of a bent patch is not
+    planes = np.linalg.svd(patches - nearest[:, None], full_matrices=False)[2][:, :dim]
+    away = positions - nearest
+    along = np.einsum("nkd,nd->nk", planes, away)
+    return np.linalg.norm(away - np.einsum("nkd,nk->nd", planes, along), axis=1)
+
+
+def distances_to_torus(positions: Any) -> Any:
+    """Distances to the torus with radii 1 and 0.4."""
+    around = np.hypot(positions[:, 0], positions[:, 1]) - 1.0
+    return np.abs(np.hypot(around, positions[:, 2]) - 0.4)
+
+
 def morton_ordered(points: Any) -> Any:
     """The points sorted along a Morton curve, which keeps neighbors near each other."""
     used = points[:, :63]  # one bit each is all that 63 coordinates leave

@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import contextlib
 import functools
-import json
 import math
 import os
 import statistics
@@ -29,10 +28,18 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 from rich.console import Console
-from rich.table import Table
 
 import remanifold as rm
-from command import JobsOption, JsonOption, MarkdownOption, TimeLimitOption, make_app
+from command import (
+    JobsOption,
+    JsonOption,
+    MarkdownOption,
+    TimeLimitOption,
+    gather,
+    make_app,
+    one_of,
+    print_lines,
+)
 from judge import judge
 from peers import PERTURBATION, tangential_complex, top_simplices
 from processes import Failure, run_all
@@ -322,17 +329,6 @@ def cells_of_smallest(record: dict[str, Any]) -> list[tuple[str, str]]:
 # --------------------------------------------------------------- the command line
 
 
-def _one_of(words: Sequence[str]) -> Callable[[Any], Any]:
-    def check(value: Any) -> Any:
-        for word in value if isinstance(value, list) else [value]:
-            if word not in words:
-                msg = f"{word!r} is not one of {', '.join(map(repr, words))}."
-                raise typer.BadParameter(msg)
-        return value
-
-    return check
-
-
 @app.command()
 def main(
     shape: Annotated[
@@ -340,7 +336,7 @@ def main(
         typer.Option(
             help="Row of the table by the name of its shape; may be repeated.",
             show_default="all",
-            callback=lambda names: _one_of([row.name for row in (*TABLE, *GRIDS)])(
+            callback=lambda names: one_of([row.name for row in (*TABLE, *GRIDS)])(
                 names or []
             ),
         ),
@@ -365,7 +361,7 @@ def main(
     method: Annotated[
         str,
         typer.Option(
-            metavar=f"[{'|'.join(METHODS)}]", help="Method.", callback=_one_of(METHODS)
+            metavar=f"[{'|'.join(METHODS)}]", help="Method.", callback=one_of(METHODS)
         ),
     ] = "manifold",
     boundary: Annotated[
@@ -374,7 +370,7 @@ def main(
             metavar="[auto|known]",
             help="Let the method find out where the boundary is, or tell it which "
             "shapes have none. The paper's method does not ask.",
-            callback=_one_of(["auto", "known"]),
+            callback=one_of(["auto", "known"]),
         ),
     ] = "auto",
     peers: Annotated[
@@ -425,36 +421,15 @@ def main(
     methods = [method, *(PEERS if peers else ())]
     ask = smallest_numbers if smallest else success_rates
     cells_of = cells_of_smallest if smallest else cells_of_rates
-    records = []
-    with messages.status("") as status:
-        for i, record in enumerate(ask(rows, methods, num_samples, settings), start=1):
-            records.append(record)
-            status.update(f"{i} of {len(rows)} shapes")
-            if json_file is not None:  # after each shape: a long run may be broken off
-                report = {**settings.described(), "results": records}
-                text = json.dumps(report, indent=2)
-                json_file.write_text(text + "\n", encoding="utf-8")
-
+    records = gather(
+        ask(rows, methods, num_samples, settings),
+        len(rows),
+        "shapes",
+        json_file,
+        settings.described(),
+    )
     lines = [cells_of(record) for record in records]
-    if markdown:
-        typer.echo(_markdown(lines))
-    else:
-        Console(highlight=False).print(_table(lines))
-
-
-def _table(lines: Sequence[list[tuple[str, str]]]) -> Table:
-    table = Table(box=None, pad_edge=False)
-    for i, (head, _) in enumerate(lines[0]):
-        table.add_column(head, justify="right" if i else "left")
-    for line in lines:
-        table.add_row(*(cell for _, cell in line))
-    return table
-
-
-def _markdown(lines: Sequence[list[tuple[str, str]]]) -> str:
-    rows = [[head for head, _ in lines[0]], ["---"] + ["---:"] * (len(lines[0]) - 1)]
-    rows += [[cell for _, cell in line] for line in lines]
-    return "\n".join(f"| {' | '.join(row)} |" for row in rows)
+    print_lines(lines, markdown=markdown)
 
 
 if __name__ == "__main__":
