@@ -171,6 +171,17 @@ def table_of(mesh: FileMesh) -> Table:
     """Columns of a mesh: as they stood in the file, or its coordinates and fields."""
     if mesh.table is not None:
         return mesh.table
+    return named_columns(
+        mesh, lambda name, width: any(len(g) >= width for g in GROUPS.get(name, ()))
+    )
+
+
+def named_columns(mesh: FileMesh, is_group: Callable[[str, int], bool]) -> Table:
+    """Coordinates and fields, one column each, and names that tell which they are.
+
+    ``is_group`` says whether a field of so many columns has the names of its kind, such
+    as nx, ny, nz, or numbers.
+    """
     dim = mesh.points.shape[1]
     names = [*"xyz"[:dim]] if dim <= 3 else [f"x{i}" for i in range(1, dim + 1)]
     columns: list[NDArray[Any]] = [*mesh.points.T]
@@ -180,8 +191,10 @@ def table_of(mesh: FileMesh) -> Table:
             columns.append(values)
             continue
         width = values.shape[1]
-        parts = next((g for g in GROUPS.get(name, ()) if len(g) >= width), ())
-        names += parts[:width] or [f"{name}_{i}" for i in range(width)]
+        if is_group(name, width):
+            names += next(g for g in GROUPS[name] if len(g) >= width)[:width]
+        else:
+            names += [f"{name}_{i}" for i in range(width)]
         columns += [*values.T]
     return Table(columns, names)
 

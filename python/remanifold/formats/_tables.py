@@ -10,7 +10,7 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from remanifold.formats._columns import GROUPS, mesh_of_table
+from remanifold.formats._columns import GROUPS, mesh_of_table, named_columns
 from remanifold.formats._grid import read_grid
 from remanifold.formats._mesh import FileMesh, Table
 from remanifold.formats._molecule import read_molecule
@@ -204,26 +204,16 @@ def write_table(file: IO[bytes], mesh: FileMesh) -> None:
 
 
 def columns_of(mesh: FileMesh) -> tuple[list[str], list[NDArray[Any]]]:
-    """Coordinates and fields, one column each, and names that tell which they are."""
-    dim = mesh.points.shape[1]
-    names = [*"xyz"[:dim]] if dim <= 3 else [f"x{i}" for i in range(1, dim + 1)]
-    columns: list[NDArray[Any]] = [*mesh.points.T]
-    for given, array in mesh.fields.items():
-        if array.ndim == 1:
-            names.append(given)
-            columns.append(array)
-            continue
-        width = array.shape[1]
-        parts = GROUPS[given][0] if given in GROUPS else ()
-        if not 3 <= width <= len(parts):
-            parts = tuple(f"{given}_{i}" for i in range(width))
-        names += parts[:width]
-        columns += [*array.T]
+    """Columns to write, under names that a reader knows."""
+    table = named_columns(
+        mesh, lambda name, width: name in GROUPS and 3 <= width <= len(GROUPS[name][0])
+    )
+    names = table.names or []
     for i, name in enumerate(names):
         if name in names[:i]:
             msg = f"fields: two columns would be called {name!r}"
             raise ValueError(msg)
-    return names, columns
+    return names, table.columns
 
 
 def _write_rows(file: IO[bytes], columns: list[NDArray[Any]], separator: str) -> None:

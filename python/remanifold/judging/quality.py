@@ -770,6 +770,19 @@ def _openings(found: _Findings) -> Iterator[_Sign]:
         )
 
 
+def _described(opening: Opening) -> str:
+    spacings = 2 * opening.radius / opening.spacing
+    return (
+        f"a {opening.kind} of {spacings:.1f} spacings with {opening.missing:.0f} samples "
+        "missing"
+    )
+
+
+def _samples_of(openings: list[Opening]) -> NDArray[np.int64]:
+    samples = np.concatenate([opening.samples for opening in openings])
+    return np.unique(samples).astype(np.int64)
+
+
 def _close_decisions(found: _Findings) -> Iterator[_Sign]:
     """Gaps that chance leaves now and then, and openings that it could have left."""
     wide = [
@@ -782,13 +795,10 @@ def _close_decisions(found: _Findings) -> Iterator[_Sign]:
         widest = min(wide, key=lambda opening: opening.significance)
         yield _Sign(
             True,
-            f"a {widest.kind} of {2 * widest.radius / widest.spacing:.1f} spacings with "
-            f"{widest.missing:.0f} samples missing was closed, but chance leaves one as "
-            f"large in {widest.significance:.2g} of such data: from significance="
+            f"{_described(widest)} was closed, but chance leaves one as large in "
+            f"{widest.significance:.2g} of such data: from significance="
             f"{widest.significance:.2g} on it is open",
-            np.unique(np.concatenate([opening.samples for opening in wide])).astype(
-                np.int64
-            ),
+            _samples_of(wide),
         )
     near = [
         opening
@@ -801,12 +811,9 @@ def _close_decisions(found: _Findings) -> Iterator[_Sign]:
         least = max(near, key=lambda opening: opening.significance)
         yield _Sign(
             True,
-            f"a {least.kind} of {2 * least.radius / least.spacing:.1f} spacings with "
-            f"{least.missing:.0f} samples missing was left open, but below "
-            f"significance={least.significance:.2g} it is closed",
-            np.unique(np.concatenate([opening.samples for opening in near])).astype(
-                np.int64
-            ),
+            f"{_described(least)} was left open, but below significance="
+            f"{least.significance:.2g} it is closed",
+            _samples_of(near),
         )
 
 
@@ -814,12 +821,12 @@ def _parts(found: _Findings) -> Iterator[_Sign]:
     """Few samples far from all others, in no simplex."""
     parts = [opening for opening in found.openings if opening.kind == "part"]
     if parts:
-        samples = np.concatenate([part.samples for part in parts]).astype(np.int64)
+        samples = _samples_of(parts)
         yield _Sign(
             True,
             f"{_count(len(parts), 'part')} of {_count(len(samples), 'sample')} far from "
             "all others, with too few samples for a manifold, left out",
-            np.unique(samples),
+            samples,
         )
 
 
