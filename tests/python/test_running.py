@@ -21,8 +21,8 @@ from remanifold.method.options import METHODS
 pytestmark = pytest.mark.slow
 
 STEPS = [
-    *("prepare", "neighborhoods", "outliers", "tangent_spaces", "local_regions"),
-    "complex",
+    *("prepare", "neighborhoods", "outliers", "smoothing", "tangent_spaces"),
+    *("local_regions", "complex"),
 ]
 PROMPTLY = 5.0  # seconds, though a tenth is usual: the machine may be busy
 
