@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from remanifold import _core
+from remanifold._base.digest import digest
 from remanifold._base.read_only import ReadOnlyArrays
 from remanifold._base.text import one_line
 from remanifold.complex.data import ComplexData
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 
     from remanifold.method.cleaning import Smoothing
     from remanifold.method.openings import Opening
+    from remanifold.method.provenance import Parameters, Provenance
     from remanifold.method.steps import EdgeSets, Stars
 
 
@@ -154,6 +156,7 @@ class ReconstructionData(ComplexData):
     timings: dict[str, float]
     openings: tuple[Opening, ...] = ()
     significance: float = 0.0
+    provenance: Provenance
     tangent_simplices: NDArray[np.int32] | None = None
     edge_sets: EdgeSets | None = None
     stars: Stars | None = None
@@ -164,6 +167,25 @@ class ReconstructionData(ComplexData):
     )
     _report: dict[str, Any] = field(default_factory=dict)
     _frames: tuple[NDArray[np.float64], NDArray[np.int32], float] | None = None
+
+    @property
+    def parameters(self) -> Parameters:
+        """Those of `reconstruct` as they were used, and why; see ``provenance``."""
+        return self.provenance.parameters
+
+    @functools.cached_property
+    def digest(self) -> str:
+        """SHA-256 of ``vertices`` and ``simplices``, as `Provenance` describes it.
+
+        Of ``simplices`` alone where there are no coordinates.
+        """
+        arrays = [a for a in (self.vertices, self.simplices) if a is not None]
+        return digest(*arrays)
+
+    @property
+    def comment(self) -> str:
+        """What a file says of where it comes from: version, parameters, digests."""
+        return "\n".join(self.provenance.comment(self.digest))
 
     @property
     def num_samples(self) -> int:
