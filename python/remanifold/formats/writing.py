@@ -226,6 +226,33 @@ def write_valid(
     write_mesh(path, vertices[rows], cells, fields=kept, format=format, comment=comment)
 
 
+def suffix_for(dim: int, ambient_dim: int) -> str:
+    """The most common format that holds such simplices with any fields."""
+    fitting = (".ply", ".vtu") if ambient_dim <= 3 else ()
+    return next((s for s in fitting if dim in (WRITERS[s].dims or ())), ".npz")
+
+
+def mesh_bytes(
+    suffix: str, complex: ComplexData, fields: Mapping[str, ArrayLike]
+) -> bytes:
+    """A mesh as a file would hold it, without the vertices that are nowhere."""
+    assert complex.vertices is not None
+    rows, cells = finite_part(complex.vertices, complex.simplices)
+    known = check_fields(fields, len(complex.vertices))
+    mesh = FileMesh(
+        complex.vertices[rows],
+        {cells.shape[1]: cells},
+        {name: array[rows] for name, array in known.items()},
+        comment=comment_lines(complex.comment),
+    )
+    missing = 3 - mesh.points.shape[1]
+    if missing > 0 and WRITERS[suffix].three:
+        mesh.points = np.pad(mesh.points, ((0, 0), (0, missing)))
+    held = io.BytesIO()
+    WRITERS[suffix].write(held, mesh)
+    return held.getvalue()
+
+
 def write_points(
     path: StrPath,
     points: ArrayLike,

@@ -9,11 +9,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from remanifold.judging.answer import answer_of
 from remanifold.judging.quality import Quality, assess
 from remanifold.method.result import ReconstructionData
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from remanifold.judging.answer import Answer
+
+_JUDGED_AT_ONCE = 60_000  # coordinates or products
 
 # Those of `Quality` that have a value at each vertex.
 QUALITY_FIELDS = (
@@ -33,6 +38,24 @@ class JudgedReconstruction(ReconstructionData):
         Takes about as long as the reconstruction.
         """
         return assess(self)
+
+    @property
+    def answer(self) -> str:
+        """What the result is and whether to trust it, in one sentence.
+
+        Such as "a closed surface of genus 1 (a torus), right as far as can be told". It
+        needs `quality`.
+        """
+        return self._answer(judged=True).text
+
+    def _answer(self, *, judged: bool) -> Answer:
+        quality = self.quality if judged else None
+        return answer_of(self.topology(), self.repair, quality)
+
+    @property
+    def _is_judged_at_once(self) -> bool:
+        """Whether `quality` is known, or takes a second at most."""
+        return "quality" in vars(self) or self._source.matrix.size <= _JUDGED_AT_ONCE
 
     def fields(self, *, quality: bool | None = None) -> dict[str, NDArray[Any]]:
         """Values at the vertices, by their names, as files and viewers take them.

@@ -14,6 +14,7 @@ import numpy as np
 
 from remanifold import _core
 from remanifold._base.digest import digest
+from remanifold._base.html import fragment
 from remanifold._base.read_only import ReadOnlyArrays
 from remanifold._base.samples import Points
 from remanifold._base.text import rounded
@@ -85,6 +86,27 @@ class Parameters(Mapping[str, Parameter]):
             f"{name:<{width}}  {value}  {how}".rstrip()
             for name, value, how in self.rows()
         )
+
+    def call(self) -> str:
+        """The call in Python that makes the same result from the same samples."""
+        kind = self["samples"].value if "samples" in self else "points"
+        parts = [f"{'' if kind == 'points' else f'{kind}='}{kind}"]
+        for name, one in self.items():
+            if not one.given or name in ("samples", "num_threads"):
+                continue
+            word = one.value
+            if name == "attributes":
+                word = "attributes"
+            elif isinstance(word, np.ndarray):
+                word = name
+            else:
+                word = repr(word)
+            parts.append(f"{name}={word}")
+        return f"rm.reconstruct({', '.join(parts)})"
+
+    def _repr_html_(self) -> str:
+        rows = ((name, f"{value} {how}") for name, value, how in self.rows())
+        return fragment("parameters as they were used", rows)
 
     def rows(self) -> Iterator[tuple[str, str, str]]:
         """Name, value and origin of each, as text."""

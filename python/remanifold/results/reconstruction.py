@@ -3,16 +3,20 @@
 
 from __future__ import annotations
 
+import math
 import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from remanifold._base.files import check_target, complete_file
+from remanifold._base.html import fragment
 from remanifold._base.read_only import ReadOnlyArrays
 from remanifold._base.text import one_line
 from remanifold._base.validation import check_choice
+from remanifold.complex.topology import simplex_names
 from remanifold.drawing.draw_openings import plot_openings
+from remanifold.drawing.draw_svg import picture
 from remanifold.formats._source import Source
 from remanifold.formats.saved import SUFFIX, read_saved, write_saved
 from remanifold.formats.writing import fitting_fields, write_valid
@@ -108,6 +112,36 @@ class Reconstruction(JudgedReconstruction, SimplicialComplex):
             simplices=len(self.simplices),
             method=self.method,
         )
+
+    def _repr_html_(self) -> str:
+        judged = self._is_judged_at_once
+        found = self.topology()
+        names = simplex_names(self.dim)
+        rows: list[tuple[str, object]] = [
+            ("samples", f"{self.num_samples:,}{_in_space(self.ambient_dim)}"),
+            (names[-1], f"{len(self.simplices):,}"),
+            ("Euler characteristic", f"{found.euler_characteristic:,}"),
+        ]
+        if found.counting_settles_homology:
+            rows.append(("Betti numbers", ", ".join(map(str, found.betti_numbers))))
+        rows += [
+            (what, f"{len(which):,}")
+            for what, which in (
+                ("outliers left out", self.outliers),
+                ("not finite, left out", self.invalid),
+                ("attached", self.attached),
+            )
+            if len(which)
+        ]
+        if self.smoothing is not None and self.smoothing.moved:
+            rows.append(("noise smoothed away", f"{self.smoothing.noise:.3g}"))
+        if judged:
+            rows.append(("samples in doubt", f"{int(self.quality.doubtful.sum()):,}"))
+        seconds = math.fsum(self.timings.values())
+        rows.append(("seconds", f"{seconds:.2g}"))
+        note = "" if judged else "rec.quality judges it, in about the same time again."
+        answer = self._answer(judged=judged).text
+        return fragment(answer, rows, picture(self), note)
 
     def save(self, path: StrPath) -> None:
         """Write all of the result to a file that `remanifold.load` reads.
@@ -223,6 +257,10 @@ class Reconstruction(JudgedReconstruction, SimplicialComplex):
             )
         else:
             super().write(path, fields, format=format)
+
+
+def _in_space(ambient_dim: int | None) -> str:
+    return "" if ambient_dim is None else f" in R^{ambient_dim}"
 
 
 def check_saved(path: StrPath) -> Path:
