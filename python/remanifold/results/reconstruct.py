@@ -27,6 +27,7 @@ from remanifold.method.dropping import INVALID, filled, finite_rows, number_as_g
 from remanifold.method.openings import openings_of
 from remanifold.method.options import CHECKS, Options
 from remanifold.method.programs import solve_program
+from remanifold.method.provenance import Parameter, Used, parameters_of, provenance_of
 from remanifold.method.steps import EdgeSets, Stars, warn_of_recall
 from remanifold.results.reconstruction import Reconstruction
 from remanifold.warnings import DimensionWarning, ManifoldWarning
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
 
     from remanifold._base.progress import Callback
     from remanifold._base.samples import Input
+    from remanifold.method.dimension import DimensionEstimate
     from remanifold.method.options import EdgeRule, Estimator, Method, Search
 
 
@@ -171,9 +173,24 @@ def reconstruct(
     count = len(samples) if rows is None else len(np.asarray(points))
     known = check_fields(attributes, count, "attributes")
     threads = check_num_threads(num_threads)
+    found = None
     if isinstance(dim, str) and dim == "auto":
-        dim = find_dimension(samples, threads, progress)
-    rec = reconstruct_samples(samples, dim, options, threads, progress, rows, count)
+        found = find_dimension(samples, threads, progress)
+        dim = found.dim
+    rec = reconstruct_samples(
+        samples,
+        dim,
+        options,
+        threads,
+        progress,
+        rows,
+        count,
+        found=found,
+        more={
+            "invalid": Parameter(invalid, invalid != "raise"),
+            "attributes": Parameter(", ".join(known) or None, bool(known)),
+        },
+    )
     for name, array in known.items():
         rec.vertex_attributes[name] = array.copy()
         rec.vertex_attributes[name].flags.writeable = False
@@ -188,6 +205,9 @@ def reconstruct_samples(
     progress: bool | Callback | None,
     rows: NDArray[np.int64] | None = None,
     count: int | None = None,
+    *,
+    found: DimensionEstimate | None = None,
+    more: Mapping[str, Parameter] | None = None,
 ) -> Reconstruction:
     """The same for samples that were checked, or those with some numbers of so many."""
     k = check_dim(dim, samples)
@@ -262,6 +282,15 @@ def reconstruct_samples(
             )
     tangents = result["tangents"] if known else None
     frames = tangents if isinstance(tangents, tuple) else None
+    used = Used(
+        dim=k,
+        found=found,
+        num_distinct=len(np.unique(result["representatives"])) - len(invalid),
+        search=result["search"],
+        hole_radius=report.get("hole_radius", float("nan")),
+        smoothing=smoothing,
+        num_threads=threads,
+    )
     rec = Reconstruction(
         vertices=vertices,
         samples=samples.matrix.view() if known else None,
@@ -280,6 +309,9 @@ def reconstruct_samples(
         timings=result["timings"],
         openings=openings_of(result.get("openings", []), k, options.chance),
         significance=0.0 if options.is_paper else options.chance,
+        provenance=provenance_of(
+            samples, parameters_of(options, samples, used, more or {})
+        ),
         _report=report,
         _frames=frames,
         _products=None if known else samples,
