@@ -40,7 +40,7 @@ struct Chance {
   double rim_choices;
 };
 
-/// Simplices a sample by Miles (1970); the rest was fitted to simulations, see
+/// Simplices a sample by Miles (1974); the rest was fitted to simulations, see
 /// benchmarks/openings.py.
 constexpr std::array<Chance, kMaxOpeningDim> kChances{{
     {1, 0.5, 0.84, 0.15, 0.95, 0},
@@ -358,7 +358,7 @@ class OpeningFinder {
   }
 
   /// Simplices whose empty balls are no smaller than this one are expected among
-  /// independent samples: what it holds is distributed as Gamma(K) (Miles, 1970).
+  /// independent samples: what it holds is distributed as Gamma(K) (Miles, 1974).
   double expected_balls(double radius, const Ring& ring) const {
     const double held = unit_ball() * std::pow(radius, dim_) /
                         (ring.mean * chance_.simplices_per_sample);
