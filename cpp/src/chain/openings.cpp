@@ -34,14 +34,18 @@ struct Chance {
   /// Clusters a sample with a weight above w: rate * exp(-decay * w).
   double rate;
   double decay;
+  /// Logarithm of the number of rims that are longer by a spacing, for K = 3 larger by its
+  /// square: 4.15 for paths without crossings on the triangular lattice (Jensen, 2004), 1.7
+  /// for surfaces on the cubic one.
+  double rim_choices;
 };
 
-/// Simplices a sample by Miles (1970); the rest was fitted to simulations, see
+/// Simplices a sample by Miles (1974); the rest was fitted to simulations, see
 /// benchmarks/openings.py.
 constexpr std::array<Chance, kMaxOpeningDim> kChances{{
-    {1, 0.5, 0.84, 0.15, 0.95},
-    {2, 1.2, 0.69, 0.016, 0.70},
-    {6.7677, 1.2, 0.75, 0.0021, 0.72},
+    {1, 0.5, 0.84, 0.15, 0.95, 0},
+    {2, 1.2, 0.69, 0.016, 0.70, 1.42},
+    {6.7677, 1.2, 0.75, 0.0021, 0.72, 0.55},
 }};
 
 /// Each simplex of a cluster counts less by this many mean volumes: there are the more
@@ -177,23 +181,7 @@ class OpeningFinder {
         rows.push_back(s);
       }
     }
-    const SimplexArray large = detail::select_rows(simplices_, rows);
-    const FacetGroups groups = group_facets(large, samples_.size(), execution_);
-    detail::DisjointSets sets(large.size());
-    for (Offset g = 0; g < groups.size(); ++g) {
-      for (Offset i = groups.offsets[g] + 1; i < groups.offsets[g + 1]; ++i) {
-        sets.join(groups.facets[groups.offsets[g]] / arity_, groups.facets[i] / arity_);
-      }
-    }
-    std::vector<Offset> number(large.size(), -1);
-    for (Offset s = 0; s < large.size(); ++s) {
-      const Offset root = sets.find(s);
-      if (number[root] < 0) {
-        number[root] = static_cast<Offset>(clusters_.size());
-        clusters_.emplace_back();
-      }
-      clusters_[number[root]].push_back(rows[s]);
-    }
+    clusters_ = parts_of(rows);
     std::vector<double> near;
     clusters_.erase(std::remove_if(clusters_.begin(), clusters_.end(),
                                    [&](const std::vector<Offset>& cluster) {
@@ -314,8 +302,34 @@ class OpeningFinder {
     }
     const double variation = std::max(0.0, squares * count / (sum * sum) - 1);
     // Where the density changes, by that of the sparser side: the mean by volume.
-    const double mean =
+    Ring measured;
+    measured.samples = around;
+    measured.mean =
         sum / count * std::max(1.0, (1 + variation) / (1 + chance_.variation));
+    measured.dispersion = dispersion_of(variation, around);
+    Opening whole = weighed(cluster, measured);
+    if (whole.expected > levels_.most_expected) {
+      return;
+    }
+    whole.open = whole.significance() <= levels_.significance;
+    if (whole.open && dim_ > 1) {
+      open_parts(cluster, measured, std::move(whole));
+      return;
+    }
+    if (whole.open) {
+      add_bridge(cluster);
+    }
+    found_.openings.push_back(std::move(whole));
+  }
+
+  /// Simplices around a cluster.
+  struct Ring {
+    double samples = 0;
+    double mean = 0;  ///< volume
+    double dispersion = 1;
+  };
+
+  Opening weighed(const std::vector<Offset>& cluster, const Ring& ring) const {
     Opening opening;
     opening.kind = dim_ == 1 ? OpeningKind::kGap : OpeningKind::kHole;
     opening.num_simplices = static_cast<Offset>(cluster.size());
@@ -325,49 +339,179 @@ class OpeningFinder {
                              simplices_[s] + arity_);
     }
     detail::sort_unique(opening.samples);
-    opening.dispersion = dispersion_of(variation, around);
-    opening.spacing = std::pow(mean * chance_.simplices_per_sample, 1.0 / dim_);
+    opening.dispersion = ring.dispersion;
+    opening.spacing = std::pow(ring.mean * chance_.simplices_per_sample, 1.0 / dim_);
     const auto size = static_cast<double>(cluster.size());
-    opening.missing = (opening.volume / mean - size) / chance_.simplices_per_sample;
+    opening.missing =
+        (opening.volume / ring.mean - size) / chance_.simplices_per_sample;
     const double weight =
         opening.missing - kChoice * size / chance_.simplices_per_sample;
-    // The density around is known from so many samples only.
-    opening.expected = expected(around * std::log1p(std::max(0.0, weight) / around) /
-                                opening.dispersion);
-    if (opening.expected > levels_.most_expected) {
+    opening.expected = expected(counted(weight, ring));
+    return opening;
+  }
+
+  /// The density around is known from so many samples only, and even samples have smaller
+  /// gaps.
+  static double counted(double weight, const Ring& ring) {
+    return ring.samples * std::log1p(std::max(0.0, weight) / ring.samples) /
+           ring.dispersion;
+  }
+
+  /// Simplices whose empty balls are no smaller than this one are expected among
+  /// independent samples: what it holds is distributed as Gamma(K) (Miles, 1974).
+  double expected_balls(double radius, const Ring& ring) const {
+    const double held = unit_ball() * std::pow(radius, dim_) /
+                        (ring.mean * chance_.simplices_per_sample);
+    const double content = counted(held, ring);
+    double sum = 0;
+    double term = 1;
+    for (int i = 0; i < dim_; ++i) {
+      sum += term;
+      term *= content / (i + 1);
+    }
+    return samples_.size() * chance_.simplices_per_sample * std::exp(-content) * sum;
+  }
+
+  /// What of a cluster shows itself to be open. Its core is what chance does not leave
+  /// empty, simplex by simplex. What that leaves of it, with what is next to it and nearly
+  /// as large, goes as well where it is unlikely by itself, or where the rim would not be
+  /// longer around it, or not so much longer that among all the rims there are one as empty
+  /// is to be expected: else large simplices in a thin place of a band would cut it.
+  /// Without a core the cluster counts as a whole.
+  void open_parts(const std::vector<Offset>& cluster, const Ring& ring, Opening whole) {
+    std::vector<Offset> core;
+    std::vector<Offset> rest;
+    const double most = -std::log1p(-std::min(levels_.significance, 0.999));
+    for (const Offset s : cluster) {
+      const double radius = ruler_.measure(simplices_[s], arity_).circumradius;
+      (expected_balls(radius, ring) <= most ? core : rest).push_back(s);
+    }
+    if (core.empty() || rest.empty()) {
+      add_bridge(cluster);
+      found_.openings.push_back(std::move(whole));
       return;
     }
-    opening.open = opening.significance() <= levels_.significance;
-    if (opening.open) {
-      add_bridge(cluster);
+    std::vector<Offset> all = cluster;
+    extend(all, 0);
+    rest.insert(rest.end(), all.begin() + static_cast<Offset>(cluster.size()),
+                all.end());
+    for (const std::vector<Offset>& part : parts_of(rest)) {
+      Opening opening = weighed(part, ring);
+      const double ways = chance_.rim_choices * growth_of_rim(part) /
+                          std::pow(opening.spacing, dim_ - 1);
+      opening.open =
+          opening.significance() <= levels_.significance ||
+          std::exp(ways) * opening.expected <= samples_.size() * chance_.rate;
+      if (opening.open) {
+        core.insert(core.end(), part.begin(), part.end());
+      } else if (opening.expected <= levels_.most_expected) {
+        found_.openings.push_back(std::move(opening));
+      }
     }
+    Opening opening = weighed(core, ring);
+    opening.open = true;
+    found_.bridges.insert(found_.bridges.end(), core.begin(), core.end());
     found_.openings.push_back(std::move(opening));
   }
 
+  /// Those that share facets are in one part.
+  std::vector<std::vector<Offset>> parts_of(const std::vector<Offset>& rows) const {
+    const SimplexArray chosen = detail::select_rows(simplices_, rows);
+    const FacetGroups groups = group_facets(chosen, samples_.size(), execution_);
+    detail::DisjointSets sets(chosen.size());
+    for (Offset g = 0; g < groups.size(); ++g) {
+      for (Offset i = groups.offsets[g] + 1; i < groups.offsets[g + 1]; ++i) {
+        sets.join(groups.facets[groups.offsets[g]] / arity_, groups.facets[i] / arity_);
+      }
+    }
+    std::vector<Offset> number(rows.size(), -1);
+    std::vector<std::vector<Offset>> parts;
+    for (Offset s = 0; s < chosen.size(); ++s) {
+      const Offset root = sets.find(s);
+      if (number[root] < 0) {
+        number[root] = static_cast<Offset>(parts.size());
+        parts.emplace_back();
+      }
+      parts[number[root]].push_back(rows[s]);
+    }
+    return parts;
+  }
+
   void add_bridge(std::vector<Offset> bridge) {
+    extend(bridge, 0);
+    found_.bridges.insert(found_.bridges.end(), bridge.begin(), bridge.end());
+  }
+
+  /// With what is nearly as large and reached through facets from a row at `first` or
+  /// later.
+  void extend(std::vector<Offset>& rows, std::size_t first) {
     std::vector<double> near;
-    for (const Offset s : bridge) {
+    for (const Offset s : rows) {
       seen_[s] = 1;
     }
-    for (std::size_t i = 0; i < bridge.size(); ++i) {
-      const Index* simplex = simplices_[bridge[i]];
+    for (std::size_t i = first; i < rows.size(); ++i) {
       for (int j = 0; j < arity_; ++j) {
-        const Index v = simplex[j];
-        for (const Index* s = stars_.begin(v); s != stars_.end(v); ++s) {
-          if (seen_[*s] == 0 && shared(simplex, simplices_[*s]) == dim_ &&
-              relative_radius(simplices_[*s],
-                              ruler_.measure(simplices_[*s], arity_).circumradius,
+        across(rows[i], j, [&](Offset s) {
+          if (seen_[s] == 0 &&
+              relative_radius(simplices_[s],
+                              ruler_.measure(simplices_[s], arity_).circumradius,
                               near) > kNextToBridge * chance_.large_radius) {
-            seen_[*s] = 1;
-            bridge.push_back(*s);
+            seen_[s] = 1;
+            rows.push_back(s);
           }
+        });
+      }
+    }
+    for (const Offset s : rows) {
+      seen_[s] = 0;
+    }
+  }
+
+  /// Calls with the simplices on the other side of the facet without vertex j.
+  template <class Function>
+  void across(Offset s, int j, Function&& function) const {
+    const Index* simplex = simplices_[s];
+    const Index v = simplex[j == 0 ? 1 : 0];
+    for (const Index* t = stars_.begin(v); t != stars_.end(v); ++t) {
+      const Index* other = simplices_[*t];
+      bool has_facet = *t != s;
+      for (int i = 0; i < arity_ && has_facet; ++i) {
+        has_facet =
+            i == j || std::find(other, other + arity_, simplex[i]) != other + arity_;
+      }
+      if (has_facet) {
+        function(Offset{*t});
+      }
+    }
+  }
+
+  /// Size of the rim around a part, less that of the rim without it.
+  double growth_of_rim(const std::vector<Offset>& part) {
+    for (const Offset s : part) {
+      seen_[s] = 1;
+    }
+    std::array<Index, kMaxOpeningDim> facet{};
+    double growth = 0;
+    for (const Offset s : part) {
+      for (int j = 0; j < arity_; ++j) {
+        bool inside = false;
+        bool stays = false;
+        across(s, j, [&](Offset t) {
+          inside = inside || seen_[t] != 0;
+          stays = stays || large_[t] != kCandidate;
+        });
+        if (!inside) {
+          std::copy_if(simplices_[s], simplices_[s] + arity_, facet.begin(),
+                       [&](const Index& v) { return &v != simplices_[s] + j; });
+          const double size = ruler_.measure(facet.data(), dim_).volume;
+          growth += stays ? size : -size;
         }
       }
     }
-    for (const Offset s : bridge) {
+    for (const Offset s : part) {
       seen_[s] = 0;
     }
-    found_.bridges.insert(found_.bridges.end(), bridge.begin(), bridge.end());
+    return growth;
   }
 
   /// As far as it differs from 1 by more than the ring leaves open.

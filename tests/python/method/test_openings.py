@@ -55,6 +55,21 @@ def moebius_band(rng):
     return np.c_[radius * np.cos(u), radius * np.sin(u), v * np.sin(u / 2)]
 
 
+def band(rng):
+    """Of a cylinder; some of 150 samples leave a thin place all across it."""
+    u = rng.random(150) * 2 * np.pi
+    return np.c_[np.cos(u), np.sin(u), 0.8 * rng.random(150)]
+
+
+def two_discs_with_a_neck(rng):
+    """400 samples; the neck is four spacings wide."""
+    points = rng.uniform([-2.2, -1], [2.2, 1], size=(1000, 2))
+    x, y = points.T
+    inside = (np.abs(x) - 1.2) ** 2 + y**2 < 1
+    inside |= (np.abs(x) < 1.2) & (np.abs(y) < 0.25)
+    return np.pad(points[inside][:400], [(0, 0), (0, 1)])
+
+
 def squares(rng, spacings=4.5):
     points = rng.random((1000, 2))
     height = np.where(np.arange(1000) % 2, spacings / np.sqrt(500), 0.0)
@@ -85,6 +100,8 @@ def ball_with_a_cavity(rng):
 KINDS = (
     ("cap", cap, 2, (1, 0, 0)),
     ("Moebius band", moebius_band, 2, (1, 1, 0)),
+    ("band", band, 2, (1, 1, 0)),
+    ("neck", two_discs_with_a_neck, 2, (1, 0, 0)),
     ("squares", squares, 2, (2, 0)),
     ("rolled sheet", rolled_sheet, 2, (1, 0, 0)),
     ("segments", segments, 1, (2, 0)),
@@ -110,7 +127,7 @@ def test_openings_stay_open(build, dim, betti_numbers):
 )
 def test_openings_stay_open_in_nearly_all_samplings(build, dim, betti_numbers):
     right, silent = count_right(build, dim, betti_numbers, 20)
-    assert right >= 18
+    assert right >= 19
     assert silent <= 1
 
 
