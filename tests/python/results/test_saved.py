@@ -243,7 +243,9 @@ BROKEN = [
 ]
 
 
-@pytest.mark.parametrize(("change", "message"), BROKEN, ids=lambda x: str(x)[:30])
+@pytest.mark.parametrize(
+    ("change", "message"), [pytest.param(*case, id=case[0].__name__) for case in BROKEN]
+)
 def test_what_cannot_be_trusted_is_refused(change, message, circle):
     parts = tree_of(circle)
     change(parts)
