@@ -79,11 +79,12 @@ def steps_of_products(dim, points):
 
 
 def as_bytes(result):
-    """All that the result holds but the seconds it took."""
+    """All that the result holds but when, how and in how many seconds it was found."""
     if isinstance(result, np.ndarray):
         return f"{result.dtype}{result.shape}".encode() + result.tobytes()
     if dataclasses.is_dataclass(result):
-        result = [value for name, value in vars(result).items() if name != "timings"]
+        left_out = ("timings", "provenance")
+        result = [value for name, value in vars(result).items() if name not in left_out]
     if isinstance(result, dict):
         result = [*result.keys(), *result.values()]
     if isinstance(result, list | tuple):
