@@ -207,7 +207,7 @@ Reconstruction reconstruct(const Samples& given, const ReconstructOptions& optio
     *simplices = to_input(samples, *simplices, {});
   }
   for (std::vector<Index>* vertices :
-       {&report.singular, &report.inserted, &report.outliers}) {
+       {&report.singular, &report.inserted, &report.cut_vertices, &report.outliers}) {
     *vertices = to_input(samples, std::move(*vertices));
   }
   for (Opening& opening : report.openings) {

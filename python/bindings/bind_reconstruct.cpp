@@ -186,6 +186,7 @@ py::dict manifold(const Input& input, const ReconstructOptions& given,
   repair["callous_faces"] = to_numpy(std::move(report.branching_facets));
   repair["singular_vertices"] = to_numpy(std::move(report.singular));
   repair["inserted_vertices"] = to_numpy(std::move(report.inserted));
+  repair["cut_vertices"] = to_numpy(std::move(report.cut_vertices));
   repair["unused_vertices"] = to_numpy(std::move(report.outliers));
   repair["hole_radius"] = report.hole_radius;
   out["openings"] = openings_of(std::move(report.openings));

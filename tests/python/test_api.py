@@ -150,6 +150,7 @@ def test_arrays_of_the_report_have_their_shapes(dim, method):
         "singular_vertices": None,
         "unused_vertices": None,
         "inserted_vertices": None,
+        "cut_vertices": None,
     }
     assert set(arrays) == {n for n, v in vars(report).items() if hasattr(v, "shape")}
     for name, columns in arrays.items():

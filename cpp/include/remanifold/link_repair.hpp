@@ -21,9 +21,13 @@ namespace remanifold {
 /// - a simplex at the boundary is taken out, or put in between two open facets.
 /// Small holes that a move leaves are closed again where that costs less than the price of
 /// their facets. Rows of the result are sorted.
+/// Where no move helps, all but the largest fan at the vertex are taken out.
 /// \param marked  vertices to look at
-void repair_links(const Samples& samples, const std::vector<double>& scales,
-                  const std::vector<std::uint8_t>& marked, const FacetPrice& price,
-                  SimplexArray& simplices, const Execution& execution = {});
+/// \returns the vertices at which simplices were taken out for good, ascending
+std::vector<Index> repair_links(const Samples& samples,
+                                const std::vector<double>& scales,
+                                const std::vector<std::uint8_t>& marked,
+                                const FacetPrice& price, SimplexArray& simplices,
+                                const Execution& execution = {});
 
 }  // namespace remanifold

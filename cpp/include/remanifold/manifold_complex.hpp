@@ -62,6 +62,8 @@ struct ManifoldReport {
   SimplexArray branching_facets;  ///< (K-1)-faces with more than two cofaces
   std::vector<Index> singular;    ///< vertices whose link is neither sphere nor ball
   std::vector<Index> inserted;    ///< left out by the chain, put back by subdivision
+  /// Where simplices were taken out, as no move mended their links.
+  std::vector<Index> cut_vertices;
   std::vector<Index> outliers;    ///< samples in no simplex
   std::vector<Opening> openings;  ///< weighed by evidence, the least expected first
   Offset agreed = 0;              ///< star simplices that all their vertices have

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <set>
 #include <utility>
 
 namespace remanifold {
@@ -92,9 +93,56 @@ class LinkRepair {
     }
   }
 
+  /// Where no move has helped: of several fans at a vertex the largest whose link is one
+  /// stays, or nothing does. That may break links next to it, which are looked at as well;
+  /// each time simplices go, so that there is an end.
+  /// \returns the vertices at which simplices went, ascending
+  std::vector<Index> cut(const std::vector<Index>& vertices) {
+    std::set<Index> left(vertices.begin(), vertices.end());
+    std::vector<Index> result;
+    while (!left.empty()) {
+      execution_.poll();
+      const Index v = *left.begin();
+      left.erase(left.begin());
+      if (!is_singular(v)) {
+        continue;
+      }
+      std::vector<std::vector<Offset>> fans = fans_at({v});
+      std::size_t kept = fans.size();
+      for (std::size_t f = 0; f < fans.size(); ++f) {
+        if (is_whole(fans[f], v) &&
+            (kept == fans.size() || fans[f].size() > fans[kept].size())) {
+          kept = f;
+        }
+      }
+      for (std::size_t f = 0; f < fans.size(); ++f) {
+        if (f == kept) {
+          continue;
+        }
+        for (const Offset s : fans[f]) {
+          left.insert(complex_[s], complex_[s] + arity_);
+          complex_.remove(s);
+        }
+      }
+      result.push_back(v);
+    }
+    detail::sort_unique(result);
+    return result;
+  }
+
   SimplexArray finish() { return complex_.finish(); }
 
  private:
+  /// Whether the link of v is a sphere or a ball in these simplices alone.
+  bool is_whole(const std::vector<Offset>& fan, Index v) const {
+    SimplexArray link{arity_ - 1, {}};
+    for (const Offset s : fan) {
+      std::copy_if(complex_[s], complex_[s] + arity_, std::back_inserter(link.vertices),
+                   [&](Index w) { return w != v; });
+    }
+    return is_sphere_or_ball(link);
+  }
+
   /// \param found  vertices of the connected open facets at v, or some where there are
   ///               too many
   /// \returns whether that is a hole with few vertices
@@ -384,16 +432,18 @@ std::vector<Index> open_vertices(const SimplexArray& simplices,
 
 }  // namespace
 
-void repair_links(const Samples& samples, const std::vector<double>& scales,
-                  const std::vector<std::uint8_t>& marked, const FacetPrice& price,
-                  SimplexArray& simplices, const Execution& execution) {
+std::vector<Index> repair_links(const Samples& samples,
+                                const std::vector<double>& scales,
+                                const std::vector<std::uint8_t>& marked,
+                                const FacetPrice& price, SimplexArray& simplices,
+                                const Execution& execution) {
   if (simplices.arity - 1 > kMostDim) {
-    return;
+    return {};
   }
   std::vector<Index> singular = singular_vertices(simplices, marked, execution);
   std::vector<Index> open = open_vertices(simplices, marked, execution);
   if (singular.empty() && open.empty()) {
-    return;
+    return {};
   }
   LinkRepair repair(samples, scales, simplices, execution);
   for (int round = 0; round < kRounds && !singular.empty(); ++round) {
@@ -416,7 +466,9 @@ void repair_links(const Samples& samples, const std::vector<double>& scales,
     singular.swap(left);
   }
   repair.close_holes(open, price);
+  const std::vector<Index> cut = repair.cut(singular);
   simplices = repair.finish();
+  return cut;
 }
 
 }  // namespace remanifold

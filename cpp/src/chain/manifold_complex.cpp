@@ -471,8 +471,14 @@ class ManifoldBuilder {
   /// next to what changed since.
   void mend() {
     ManifoldReport& report = result_.report;
-    repair_links(samples_, scales_, changed_.empty() ? unsettled_ : next_to(changed_),
-                 price_, result_.simplices, execution_);
+    const std::vector<Index> cut = repair_links(
+        samples_, scales_, changed_.empty() ? unsettled_ : next_to(changed_), price_,
+        result_.simplices, execution_);
+    report.cut_vertices.insert(report.cut_vertices.end(), cut.begin(), cut.end());
+    detail::sort_unique(report.cut_vertices);
+    for (const Index v : cut) {
+      unsettled_[v] = 1;
+    }
     Insertion insertion =
         insert_vertices(samples_, neighborhoods_, scales_, options_.outlier_distance,
                         result_.simplices, execution_);

@@ -601,6 +601,14 @@ def _not_a_manifold(found: _Findings) -> Iterator[_Sign]:
             bad.astype(np.int64),
             _growth_by_ratio(found, bad),
         )
+    if len(repair.cut_vertices):
+        yield _Sign(
+            True,
+            f"around {_count(len(repair.cut_vertices), 'sample')} the simplices made no "
+            "manifold, and all but one fan of them were taken out",
+            repair.cut_vertices.astype(np.int64),
+            _growth_by_ratio(found, repair.cut_vertices),
+        )
     if _is_only_boundary(found):
         yield _Sign(
             True,

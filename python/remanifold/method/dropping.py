@@ -25,7 +25,13 @@ NUMBERS = frozenset(
         *("simplices", "edges", "edge_set_indices", "star_simplices"),
         *("tangent_simplices", "representatives", "outliers", "singular_vertices"),
         *("disputed_simplices", "filled_simplices", "open_faces", "callous_faces"),
-        *("inserted_vertices", "unused_vertices", "attached", "samples"),
+        *(
+            "inserted_vertices",
+            "cut_vertices",
+            "unused_vertices",
+            "attached",
+            "samples",
+        ),
     )
 )
 # Those with a row for each sample, and what it is for one that was left out.

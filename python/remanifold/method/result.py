@@ -80,6 +80,10 @@ class Repair(ReadOnlyArrays):
         Manifold method: simplices that the chain of least energy chose.
     inserted_vertices : ndarray of int32
         Manifold method: samples that the chain left out, put back by subdivision.
+    cut_vertices : ndarray of int32
+        Manifold method, up to K = 4: vertices whose link no move mended, so that all
+        simplices there were taken out but those of one fan, whose link is a sphere or a
+        ball.
     num_cavities, num_cut_cavities : int
         Manifold method: cavities filled; those of them that were too large for one
         program and were cut into windows.
@@ -111,6 +115,10 @@ class Repair(ReadOnlyArrays):
     num_integer_programs: int
     largest_program: int
     num_unsolved: int
+    # With a default: files of results that were saved before have none.
+    cut_vertices: NDArray[np.int32] = field(
+        default_factory=lambda: np.empty(0, dtype=np.int32)
+    )
 
     def __repr__(self) -> str:
         manifold = self.method == "manifold"

@@ -110,6 +110,7 @@ def repair(rec: JudgedReconstruction) -> str:
             ("candidates of the largest", f"{found.largest_program:,}"),
             ("without a solution", f"{found.num_unsolved:,}"),
             ("samples put back", f"{len(found.inserted_vertices):,}"),
+            ("samples with simplices taken out", f"{len(found.cut_vertices):,}"),
             ("hole radius, in local scales", number(found.hole_radius)),
         ]
     else:

@@ -15,12 +15,12 @@ namespace {
 using testing::Cloud;
 using testing::Numbered;
 
-/// Hexagons at two heights, a sample between them and one beyond each.
-Cloud two_hexagons() {
+/// Polygons at two heights, a sample between them and one beyond each.
+Cloud two_polygons(Index sides) {
   Cloud cloud{{0, 0, 0}, 3};
   for (const double height : {-0.5, 0.5}) {
-    for (int i = 0; i < 6; ++i) {
-      const double angle = std::acos(-1.0) * i / 3;
+    for (Index i = 0; i < sides; ++i) {
+      const double angle = 2 * std::acos(-1.0) * i / sides;
       cloud.points.insert(cloud.points.end(),
                           {std::cos(angle), std::sin(angle), height});
     }
@@ -31,9 +31,9 @@ Cloud two_hexagons() {
   return cloud;
 }
 
-SimplexArray fan(Index apex, Index first, SimplexArray simplices) {
-  for (Index i = 0; i < 6; ++i) {
-    std::vector<Index> row{apex, first + i, first + (i + 1) % 6};
+SimplexArray fan(Index apex, Index first, Index sides, SimplexArray simplices) {
+  for (Index i = 0; i < sides; ++i) {
+    std::vector<Index> row{apex, first + i, first + (i + 1) % sides};
     std::sort(row.begin(), row.end());
     simplices.vertices.insert(simplices.vertices.end(), row.begin(), row.end());
   }
@@ -44,22 +44,31 @@ std::vector<Index> singular(const SimplexArray& simplices, Index count) {
   return singular_vertices(simplices, std::vector<std::uint8_t>(count, 1));
 }
 
-/// Over each hexagon two pyramids; those that look at each other share their apex.
-SimplexArray two_bipyramids() {
-  return fan(14, 7, fan(0, 7, fan(13, 1, fan(0, 1, {3, {}}))));
+/// Over each polygon two pyramids; those that look at each other share their apex.
+SimplexArray two_bipyramids(Index sides) {
+  const Index below = 1;
+  const Index above = 1 + sides;
+  const Index last = 2 * sides + 1;
+  return fan(
+      last + 1, above, sides,
+      fan(0, above, sides, fan(last, below, sides, fan(0, below, sides, {3, {}}))));
 }
 
-SimplexArray repaired(SimplexArray simplices) {
-  const Numbered given(two_hexagons());
-  repair_links(
-      given.samples, std::vector<double>(15, 1.0), std::vector<std::uint8_t>(15, 1),
-      [](const Index*) { return 20.0; }, simplices);
+SimplexArray repaired(SimplexArray simplices, Index sides = 6,
+                      const std::vector<Index>& cut = {}) {
+  const Numbered given(two_polygons(sides));
+  const Index count = given.samples.size();
+  EXPECT_EQ(repair_links(
+                given.samples, std::vector<double>(count, 1.0),
+                std::vector<std::uint8_t>(count, 1), [](const Index*) { return 20.0; },
+                simplices),
+            cut);
   return simplices;
 }
 
 TEST(LinkRepair, OneOfTwoSheetsLetsGoOfACommonVertex) {
-  ASSERT_EQ(singular(two_bipyramids(), 15), std::vector<Index>{0});
-  const SimplexArray simplices = repaired(two_bipyramids());
+  ASSERT_EQ(singular(two_bipyramids(6), 15), std::vector<Index>{0});
+  const SimplexArray simplices = repaired(two_bipyramids(6));
   EXPECT_TRUE(singular(simplices, 15).empty());
   const Topology topology = compute_topology(simplices, 15);
   EXPECT_EQ(topology.components, 2);
@@ -68,8 +77,20 @@ TEST(LinkRepair, OneOfTwoSheetsLetsGoOfACommonVertex) {
   EXPECT_EQ(simplices.size(), 6 + 6 + 6 + 4);
 }
 
+// With so many sides no hole around the common vertex is refilled.
+TEST(LinkRepair, WhatNoMoveMendsIsCutAndTold) {
+  const Index sides = 13;
+  const Index count = 2 * sides + 3;
+  ASSERT_EQ(singular(two_bipyramids(sides), count), std::vector<Index>{0});
+  const SimplexArray simplices = repaired(two_bipyramids(sides), sides, {0});
+  EXPECT_TRUE(singular(simplices, count).empty());
+  const Topology topology = compute_topology(simplices, count);
+  EXPECT_EQ(topology.components, 2);
+  EXPECT_EQ(simplices.size(), 3 * sides);
+}
+
 TEST(LinkRepair, LeavesWhatIsRightAlone) {
-  const SimplexArray simplices = fan(13, 1, fan(0, 1, {3, {}}));
+  const SimplexArray simplices = fan(13, 1, 6, fan(0, 1, 6, {3, {}}));
   EXPECT_EQ(repaired(simplices).size(), simplices.size());
 }
 

@@ -31,13 +31,25 @@ KEYS = {
     *("open_faces", "callous_faces", "holes", "boundary_components"),
     *("singular_vertices", "sampling", "seconds", "warnings"),
     *("boundary", "hole_radius", "agreed_simplices", "disputed_simplices"),
-    *("filled_simplices", "inserted_samples", "significance", "openings"),
+    *(
+        "filled_simplices",
+        "inserted_samples",
+        "cut_samples",
+        "significance",
+        "openings",
+    ),
     "unstarred_simplices",
 }
 PAPER_ONLY = {"edges", "unstarred_simplices"}
 MANIFOLD_ONLY = {
     *("boundary", "hole_radius", "agreed_simplices", "disputed_simplices"),
-    *("filled_simplices", "inserted_samples", "significance", "openings"),
+    *(
+        "filled_simplices",
+        "inserted_samples",
+        "cut_samples",
+        "significance",
+        "openings",
+    ),
 }
 
 
@@ -202,6 +214,7 @@ def test_json_of_the_manifold_method(tmp_path):
     assert report["disputed_simplices"] == len(repair.disputed_simplices) > 0
     assert report["filled_simplices"] == len(repair.filled_simplices) > 0
     assert report["inserted_samples"] == len(repair.inserted_vertices)
+    assert report["cut_samples"] == len(repair.cut_vertices)
     assert report["outliers"] == len(rec.outliers) == 1
     assert report["merged_samples"] == 2
     for key in ("open_faces", "holes", "boundary_components", "singular_vertices"):
