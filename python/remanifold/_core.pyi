@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, Protocol, TypeAlias
 
 import numpy as np
@@ -65,6 +65,7 @@ class Options:
         only_noise: bool = ...,
         search: str = ...,
         checks: int = ...,
+        decisions: Sequence[tuple[Sequence[int] | NDArray[np.int32], bool]] = ...,
     ) -> None: ...
 
 def neighborhoods(

@@ -29,8 +29,12 @@ class Opening(ReadOnlyArrays):
     decision : {"open", "closed", "left out"}
         Whether simplices go through it. "left out": the samples of the part are in no
         simplex.
+    given : bool
+        Whether `Reconstruction.reopen` or `close` decided so.
     samples : ndarray of int32
         Those on its rim and inside, ascending.
+    simplices : ndarray, shape (M, K+1), int32
+        Those that go through it, or did before they were taken out.
     radius : float
         Of the ball of dimension K that is as large, in the units of the samples; half
         the length of a gap.
@@ -55,7 +59,9 @@ class Opening(ReadOnlyArrays):
 
     kind: Literal["gap", "hole", "joint", "part"]
     decision: Literal["open", "closed", "left out"]
+    given: bool
     samples: NDArray[np.int32]
+    simplices: NDArray[np.int32]
     radius: float
     spacing: float
     missing: float
@@ -63,6 +69,16 @@ class Opening(ReadOnlyArrays):
     expected: float
     significance: float
     hole_radius: float
+
+    @property
+    def flips_at(self) -> float:
+        """The `significance` of `reconstruct` at which the decision becomes the other one.
+
+        From there on the place is open, below it is closed. NaN where that does not
+        decide: for joints, for parts and for what is `given`.
+        """
+        weighed = self.kind in ("gap", "hole") and not self.given
+        return self.significance if weighed else math.nan
 
     def __repr__(self) -> str:
         return one_line(
@@ -95,7 +111,9 @@ def openings_of(
             Opening(
                 kind=one["kind"],
                 decision=decision,
+                given=one["given"],
                 samples=one["samples"],
+                simplices=one["simplices"],
                 radius=radius,
                 spacing=one["spacing"],
                 missing=one["missing"],

@@ -15,6 +15,8 @@ from remanifold._base.text import one_line
 from remanifold.complex.data import ComplexData
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from remanifold.method.cleaning import Smoothing
@@ -69,6 +71,9 @@ class Repair(ReadOnlyArrays):
         Samples that coincide with one of lower index and were merged with it.
     hole_radius : float
         Manifold method: radius of the smallest round hole left open, in local scales.
+    hole_size : float
+        Manifold method: the same in the units of the samples, where the local scale is
+        the median of all.
     num_agreed : int
         Manifold method: star simplices that are in the stars of all their vertices.
     disputed_simplices : ndarray, shape (P, K+1), int32
@@ -98,6 +103,7 @@ class Repair(ReadOnlyArrays):
     unused_vertices: NDArray[np.int32]
     merged_samples: int
     hole_radius: float
+    hole_size: float
     num_agreed: int
     disputed_simplices: NDArray[np.int32]
     filled_simplices: NDArray[np.int32]
@@ -164,6 +170,10 @@ class ReconstructionData(ComplexData):
     )
     _report: dict[str, Any] = field(default_factory=dict)
     _frames: tuple[NDArray[np.float64], NDArray[np.int32], float] | None = None
+    # What was decided by hand: samples of each place, and whether it is open.
+    _decisions: tuple[tuple[NDArray[np.int32], bool], ...] = ()
+    # The same call with other decisions.
+    _again: Callable[[Any, Any], Any] | None = None
 
     @property
     def num_samples(self) -> int:
@@ -235,6 +245,7 @@ class ReconstructionData(ComplexData):
             unused_vertices=np.flatnonzero(own & ~used).astype(np.int32),
             merged_samples=merged,
             hole_radius=float("nan"),
+            hole_size=float("nan"),
             num_agreed=0,
             disputed_simplices=no_simplices,
             filled_simplices=no_simplices,

@@ -124,6 +124,7 @@ def repair(rec: JudgedReconstruction) -> str:
             ("without a solution", f"{found.num_unsolved:,}"),
             ("samples put back", f"{len(found.inserted_vertices):,}"),
             ("hole radius, in local scales", number(found.hole_radius)),
+            ("hole radius, in the data's units", number(found.hole_size)),
         ]
     else:
         rows.append((f"{simplices} in no star", f"{len(found.unstarred_simplices):,}"))
@@ -166,7 +167,7 @@ def openings(rec: JudgedReconstruction) -> str:
     rows = [
         (
             opening.kind,
-            opening.decision,
+            opening.decision + (", as told" if opening.given else ""),
             number(opening.radius) if opening.kind != "part" else "",
             number(opening.radius / opening.spacing)
             if opening.kind != "part" and opening.spacing > 0

@@ -32,7 +32,7 @@ from remanifold.results.reconstruction import Reconstruction
 from remanifold.warnings import DimensionWarning, ManifoldWarning
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
     from typing import Literal
 
     from numpy.typing import ArrayLike, NDArray
@@ -40,6 +40,8 @@ if TYPE_CHECKING:
     from remanifold._base.progress import Callback
     from remanifold._base.samples import Input
     from remanifold.method.options import EdgeRule, Estimator, Method, Search
+
+    Decisions = Sequence[tuple[NDArray[np.int32], bool]]
 
 
 def reconstruct(
@@ -188,13 +190,21 @@ def reconstruct_samples(
     progress: bool | Callback | None,
     rows: NDArray[np.int64] | None = None,
     count: int | None = None,
+    decisions: Decisions = (),
 ) -> Reconstruction:
-    """The same for samples that were checked, or those with some numbers of so many."""
+    """The same for samples that were checked, or those with some numbers of so many.
+
+    Decisions on openings hold whatever the options say.
+    """
     k = check_dim(dim, samples)
     smooths = options.smoothing_of(samples) is not False
     given = as_points(samples) if smooths else samples
     total = len(samples) if count is None else count
-    choices = options.of_rows(rows, total).for_core(samples, k)
+    decided = [
+        (place if rows is None else np.searchsorted(rows, place), is_open)
+        for place, is_open in decisions
+    ]
+    choices = options.of_rows(rows, total).for_core(samples, k, decided)
     result: dict[str, Any]
     with progress_callback(progress) as callback:
         if options.is_paper:
@@ -252,7 +262,12 @@ def reconstruct_samples(
             "edge_rule": options.edge_rule,
         }
     else:
-        report = _finish_report(result["repair"], k, *options.boundary_rule(total))
+        rule, mask = options.boundary_rule(total)
+        reopened = np.zeros(total, dtype=bool)
+        for one in result["openings"]:
+            if one["given"] and one["open"]:
+                reopened[one["samples"]] = True
+        report = _finish_report(result["repair"], k, rule, mask, reopened)
         if len(result["simplices"]) == 0:
             warnings.warn(
                 f"no {k}-dimensional simplices: the samples span too little, or are too "
@@ -282,6 +297,8 @@ def reconstruct_samples(
         significance=0.0 if options.is_paper else options.chance,
         _report=report,
         _frames=frames,
+        _decisions=tuple(decisions),
+        _again=functools.partial(_reconstruct_again, options, threads),
         _products=None if known else samples,
         **paper,
     )
@@ -294,13 +311,35 @@ def reconstruct_samples(
     return rec
 
 
+def _reconstruct_again(
+    options: Options, threads: int, rec: Reconstruction, decisions: Decisions
+) -> Reconstruction:
+    """The same call with other decisions."""
+    samples = rec._products
+    rows = None
+    if rec.samples is not None:
+        if len(rec.invalid):
+            rows = np.setdiff1d(np.arange(rec.num_samples), rec.invalid)
+        samples = Points(rec.samples if rows is None else rec.samples[rows])
+    assert samples is not None
+    again = reconstruct_samples(
+        samples, rec.dim, options, threads, None, rows, rec.num_samples, decisions
+    )
+    again.vertex_attributes.update(rec.vertex_attributes)
+    return again
+
+
 def _warn_of_dimension(dim: int, fitting: int) -> None:
     """While there is time to stop; not from the thread of the caller."""
     warnings.warn(other_dimension(dim, fitting), DimensionWarning, stacklevel=1)
 
 
 def _finish_report(
-    report: dict[str, Any], dim: int, rule: str, mask: NDArray[np.bool_]
+    report: dict[str, Any],
+    dim: int,
+    rule: str,
+    mask: NDArray[np.bool_],
+    reopened: NDArray[np.bool_],
 ) -> dict[str, Any]:
     """Sort the open faces into boundary and holes, and warn of what is no manifold."""
     sets = _core.face_sets(report["open_faces"])
@@ -308,6 +347,7 @@ def _finish_report(
     marked = np.full(len(sets), rule == "auto")
     if rule == "given":
         marked = mask[report["open_faces"]].all(axis=1)
+    marked |= reopened[report["open_faces"]].all(axis=1)
     in_hole = np.isin(sets, sets[~marked])
     holes = len(np.unique(sets[~marked]))
     report |= {

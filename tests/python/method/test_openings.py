@@ -298,6 +298,107 @@ def test_openings_are_read_only_and_pickled():
     assert repr(pickle.loads(pickle.dumps(rec)).openings) == repr(rec.openings)
 
 
+# --- Decisions changed by hand -----------------------------------------------------
+
+
+def test_an_opening_is_closed_and_reopened():
+    points = square_with_hole(np.random.default_rng(0), 1500, 40)
+    rec = reconstruct(points, 2)
+    (hole,) = (one for one in rec.openings if one.decision == "open")
+    whole = rec.close(hole)
+    assert betti(rec) == (1, 1, 0)
+    assert betti(whole) == (1, 0, 0)
+    assert rec.if_flipped(hole).betti_numbers == (1, 0, 0)
+    (closed,) = (one for one in whole.openings if one.given)
+    assert closed.decision == "closed"
+    assert closed.missing == pytest.approx(hole.missing, rel=0.3)
+    again = whole.reopen(closed)
+    np.testing.assert_array_equal(again.simplices, rec.simplices)
+    # All simplices of a place are in the complex, or none is.
+    for one in (rec, whole, again):
+        rows = {*map(tuple, np.sort(one.simplices, axis=1).tolist())}
+        for place in one.openings:
+            through = [tuple(simplex) in rows for simplex in place.simplices.tolist()]
+            assert place.decision == ("closed" if all(through) else "open")
+
+
+def test_a_gap_that_was_closed_is_opened():
+    rec = reconstruct(datasets.circle(300, random_state=4), 1)
+    index = next(i for i, one in enumerate(rec.openings) if one.kind == "gap")
+    assert rec.openings[index].decision == "closed"
+    cut = rec.reopen(index)
+    assert betti(rec) == (1, 1)
+    assert betti(cut) == (1, 0)
+    assert rec.if_flipped(index).betti_numbers == (1, 0)
+    assert len(cut.simplices) == len(rec.simplices) - 1
+
+
+def test_what_is_closed_by_another_rule_is_opened_by_hand():
+    points = cap(np.random.default_rng(0))
+    for options in ({"boundary": False}, {"hole_radius": 4.0}, {"significance": 0.0}):
+        rec = reconstruct(points, 2, smooth=False, **options)
+        assert betti(rec) == (1, 0, 1)
+        least = min(rec.openings, key=lambda one: one.significance)
+        assert betti(rec.reopen(least)) == (1, 0, 0)
+
+
+def test_two_decisions_hold_together():
+    points = square_with_hole(np.random.default_rng(0), 3000, 40)
+    points = points[np.linalg.norm(points[:, :2] - 0.6, axis=1) > 0.13]
+    rec = reconstruct(points, 2)
+    assert betti(rec) == (1, 2, 0)
+    once = rec.close(next(o for o in rec.openings if o.decision == "open"))
+    assert betti(once) == (1, 1, 0)
+    twice = once.close(next(o for o in once.openings if o.decision == "open"))
+    assert betti(twice) == (1, 0, 0)
+    assert sum(one.given for one in twice.openings) == 2
+
+
+def test_decisions_by_hand_keep_numbers_and_attributes():
+    points = square_with_hole(np.random.default_rng(0), 1500, 40)
+    gaps = np.concatenate([np.full((3, 3), np.nan), points])
+    rec = reconstruct(gaps, 2, invalid="drop", attributes={"n": np.arange(len(gaps))})
+    rec = pickle.loads(pickle.dumps(rec))
+    closed = rec.close(next(o for o in rec.openings if o.decision == "open"))
+    assert betti(closed) == (1, 0, 0)
+    np.testing.assert_array_equal(closed.invalid, [0, 1, 2])
+    np.testing.assert_array_equal(closed.vertex_attributes["n"], np.arange(len(gaps)))
+    product = reconstruct(gram=points @ points.T, dim=2)
+    hole = next(o for o in product.openings if o.decision == "open")
+    assert betti(product.close(hole)) == (1, 0, 0)
+
+
+def test_what_cannot_be_decided_by_hand_is_refused():
+    rec = reconstruct(square_with_hole(np.random.default_rng(0), 1500, 40), 2)
+    hole = next(one for one in rec.openings if one.decision == "open")
+    with pytest.raises(ValueError, match="which is a hole that is open already"):
+        rec.reopen(hole)
+    with pytest.raises(ValueError, match="which is 99, but there are"):
+        rec.close(99)
+    with pytest.raises(TypeError, match="which"):
+        rec.close("hole")
+    other = reconstruct(cap(np.random.default_rng(0)), 2)
+    with pytest.raises(ValueError, match="none of the openings"):
+        rec.close(other.openings[0])
+    step = 2 * np.pi / 400
+    angles = np.arange(400) * step
+    clump = 0.3 * step * np.random.default_rng(0).normal(size=(5, 2)) + [3, 0]
+    parts = reconstruct(
+        np.concatenate([np.c_[np.cos(angles), np.sin(angles)], clump]), 1, smooth=False
+    )
+    for part in (one for one in parts.openings if one.kind == "part"):
+        with pytest.raises(ValueError, match="which is a part"):
+            parts.reopen(part)
+        assert np.isnan(part.flips_at)
+
+
+def test_the_flip_is_at_the_significance_of_what_was_weighed():
+    rec = reconstruct(square_with_hole(np.random.default_rng(0), 3000, 25), 2)
+    for one in rec.openings:
+        assert one.flips_at == one.significance
+        assert (one.decision == "open") == (one.flips_at <= rec.significance)
+
+
 # --- Where it is shown --------------------------------------------------------------
 
 
