@@ -48,8 +48,8 @@ class Repair(ReadOnlyArrays):
         (K-1)-faces in one simplex only.
     num_boundary_components : int
         Connected sets of open faces that count as boundary. Manifold method: all with
-        ``boundary="auto"``, those within the mask with a mask, none with
-        ``boundary=False``. Paper: those with a vertex that is a boundary sample or has
+        ``boundary="auto"``, those of which most faces are within the mask with a mask,
+        none with ``boundary=False``. Paper: those with a vertex that is a boundary sample or has
         one in its edge set.
     num_holes : int
         The other connected sets of open faces.

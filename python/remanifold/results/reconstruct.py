@@ -201,7 +201,10 @@ def reconstruct_samples(
     given = as_points(samples) if smooths else samples
     total = len(samples) if count is None else count
     decided = [
-        (place if rows is None else np.searchsorted(rows, place), is_open)
+        (
+            place if rows is None else np.searchsorted(rows, place).astype(np.int32),
+            is_open,
+        )
         for place, is_open in decisions
     ]
     choices = options.of_rows(rows, total).for_core(samples, k, decided)
@@ -348,8 +351,13 @@ def _finish_report(
     if rule == "given":
         marked = mask[report["open_faces"]].all(axis=1)
     marked |= reopened[report["open_faces"]].all(axis=1)
-    in_hole = np.isin(sets, sets[~marked])
-    holes = len(np.unique(sets[~marked]))
+    # Samples may lie beyond the marked ones next to them: a rim is one by most of it.
+    unmarked = np.bincount(sets, ~marked) > np.bincount(sets) / 2
+    in_hole = unmarked[sets]
+    holes = int(np.count_nonzero(unmarked))
+    beyond = np.unique(report["open_faces"][~marked & ~in_hole])
+    if rule == "given":
+        beyond = beyond[~mask[beyond]]
     report |= {
         "num_boundary_components": count - holes,
         "num_holes": holes,
@@ -362,6 +370,7 @@ def _finish_report(
             (len(report["callous_faces"]), "faces in more than two simplices"),
             (len(report["singular_vertices"]), "vertices without a proper link"),
             (holes, "holes where boundary= asks for none"),
+            (len(beyond), "samples on rims that boundary= does not mark"),
             (report["num_unsolved"], "cavities without a solution"),
         )
         if number

@@ -298,6 +298,73 @@ def test_openings_are_read_only_and_pickled():
     assert repr(pickle.loads(pickle.dumps(rec)).openings) == repr(rec.openings)
 
 
+# --- Rims that are known ------------------------------------------------------------
+
+
+def with_rims(inside, *rims):
+    """Samples in space, and flags of those on the rims."""
+    points = np.concatenate([inside, *rims])
+    marked = np.arange(len(points)) >= len(inside)
+    return np.pad(points, [(0, 0), (0, 1)]), marked
+
+
+def star_shaped_disc(rng):
+    angle = np.arange(200) / 200 * 2 * np.pi
+    edge = 1 + 0.3 * np.cos(5 * angle)
+    points = rng.uniform(-1.3, 1.3, size=(3000, 2))
+    own = 1 + 0.3 * np.cos(5 * np.arctan2(points[:, 1], points[:, 0]))
+    points = points[np.linalg.norm(points, axis=1) < own - 0.05]
+    return *with_rims(points, np.c_[edge * np.cos(angle), edge * np.sin(angle)]), 1
+
+
+def annulus(rng):
+    points = rng.uniform(-1, 1, size=(1700, 2))
+    radius = np.linalg.norm(points, axis=1)
+    circles = []
+    for size, num in ((1.0, 160), (0.4, 70)):
+        angle = np.arange(num) / num * 2 * np.pi
+        circles.append(size * np.c_[np.cos(angle), np.sin(angle)])
+    inside = points[(radius < 0.995) & (radius > 0.4)]
+    return *with_rims(inside, *circles), 2
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("build", [star_shaped_disc, annulus])
+def test_marked_rims_are_the_only_ones(build, seed):
+    points, marked, rims = build(np.random.default_rng(seed))
+    rec = rm.reconstruct(points, 2, boundary=marked)
+    assert betti(rec) == (1, rims - 1, 0)
+    assert rec.topology().boundary_components == rims
+    assert not (rec.boundary & ~marked).any()
+    assert rec.repair.num_boundary_components == rims
+    assert rec.repair.num_holes == 0
+
+
+@pytest.mark.parametrize("radius", [0.25, 0.5])
+def test_a_hole_that_is_not_marked_is_closed_and_listed(radius):
+    points = np.random.default_rng(0).uniform(-1, 1, size=(3000, 2))
+    points = points[np.linalg.norm(points, axis=1) > radius]
+    marked = np.abs(points).max(axis=1) > 0.92
+    rec = reconstruct(np.pad(points, [(0, 0), (0, 1)]), 2, boundary=marked)
+    assert betti(rec) == (1, 0, 0)
+    assert not (rec.boundary & ~marked).any()
+    least = min(rec.openings, key=lambda one: one.significance)
+    assert least.decision == "closed"
+    assert least.significance < 1e-9
+    assert least.radius == pytest.approx(radius, rel=0.25)
+
+
+def test_samples_beyond_the_marked_ones_are_told():
+    points, marked, _ = star_shaped_disc(np.random.default_rng(0))
+    beyond = np.array([[1.31, 0.02, 0.0]])
+    with pytest.warns(rm.ManifoldWarning, match="1 samples on rims"):
+        rec = rm.reconstruct(
+            np.concatenate([points, beyond]), 2, boundary=np.append(marked, False)
+        )
+    assert rec.repair.num_boundary_components == 1
+    assert rec.repair.num_holes == 0
+
+
 # --- Decisions changed by hand -----------------------------------------------------
 
 
