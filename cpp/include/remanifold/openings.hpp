@@ -48,4 +48,8 @@ struct OpeningDecision {
 /// The largest K that there is a test for: for others nothing is found.
 constexpr int kMaxOpeningDim = 3;
 
+/// How much each missing sample lowers the logarithm of Opening::expected, up to
+/// kMaxOpeningDim.
+double opening_decay(int dim);
+
 }  // namespace remanifold

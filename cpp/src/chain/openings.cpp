@@ -678,6 +678,8 @@ class OpeningFinder {
 
 }  // namespace
 
+double opening_decay(int dim) { return kChances.at(dim - 1).decay; }
+
 double Opening::significance() const { return -std::expm1(-expected); }
 
 namespace detail {
