@@ -833,9 +833,10 @@ def _matters(found: _Findings, opening: Opening) -> bool:
     At a rim it is not: the rim moves.
     """
     rows = np.sort(found.simplices, axis=1)
-    through = np.isin(rows, opening.samples).all(axis=1)
+    near = np.flatnonzero(np.isin(rows, opening.samples).all(axis=1))
     own = {*map(tuple, opening.simplices.tolist())}
-    through[through] = [tuple(row) in own for row in rows[through].tolist()]
+    through = np.zeros(len(rows), dtype=bool)
+    through[near] = [tuple(row) in own for row in rows[near].tolist()]
     if not through.any():
         return True
     kinds = [
