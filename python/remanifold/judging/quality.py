@@ -480,6 +480,7 @@ def _signs(found: _Findings) -> Iterator[_Sign]:
         yield from _gaps(found)
         yield from _openings(found)
         yield from _close_decisions(found)
+        yield from _necks(found)
         yield from _parts(found)
         yield from _disputes(found)
         yield from _sparsity(found)
@@ -828,22 +829,54 @@ def _samples_of(openings: list[Opening]) -> NDArray[np.int64]:
 
 
 def _matters(found: _Findings, opening: Opening) -> bool:
-    """Whether the topology is another one without what goes through a closed place.
-
-    At a rim it is not: the rim moves.
-    """
+    """Whether the topology is another one without what goes through a closed place."""
     rows = np.sort(found.simplices, axis=1)
     near = np.flatnonzero(np.isin(rows, opening.samples).all(axis=1))
     own = {*map(tuple, opening.simplices.tolist())}
     through = np.zeros(len(rows), dtype=bool)
     through[near] = [tuple(row) in own for row in rows[near].tolist()]
-    if not through.any():
-        return True
+    return not through.any() or _changes(found, rows[~through])
+
+
+def _changes(found: _Findings, fewer: NDArray[np.int32]) -> bool:
+    """Whether the topology is another one with fewer simplices.
+
+    It is not where they were taken away from a rim: the rim moves.
+    """
     kinds = [
         (one.components, one.euler_characteristic, one.boundary_components)
-        for one in (found.topology, topology_of(rows[~through], len(found.own)))
+        for one in (found.topology, topology_of(fewer, len(found.own)))
     ]
     return kinds[0] != kinds[1]
+
+
+def _necks(found: _Findings) -> Iterator[_Sign]:
+    """Triangles that have no sample inside the surface and join what is apart else.
+
+    A neck or band as narrow cannot be told from a bridge between two rims.
+    """
+    if found.dim != 2 or len(found.repair.open_faces) == 0:
+        return
+    rows = np.sort(found.simplices, axis=1)
+    on_rim = np.zeros(len(found.own), dtype=bool)
+    on_rim[found.repair.open_faces] = True
+    thin = np.flatnonzero(on_rim[rows].all(axis=1))
+    if len(thin) == 0 or len(thin) == len(rows):
+        return
+    groups = _core.face_sets(rows[thin])
+    count = int(groups.max()) + 1
+    chosen = [thin[groups == group] for group in range(min(count, MOST_OPENED))]
+    if count > MOST_OPENED:
+        chosen = [thin]
+    necks = [rows[one] for one in chosen if _changes(found, np.delete(rows, one, 0))]
+    if necks:
+        samples = np.unique(np.concatenate(necks)).astype(np.int64)
+        yield _Sign(
+            True,
+            f"{_count(len(necks), 'neck')} without a sample inside: what it joins may "
+            "be apart; more samples there would tell",
+            samples,
+        )
 
 
 def _needed(found: _Findings, opening: Opening) -> str:

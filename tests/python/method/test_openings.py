@@ -49,8 +49,8 @@ def cap(rng):
     return points[points[:, 2] > -0.3][:100]
 
 
-def moebius_band(rng):
-    u, v = rng.random(150) * 2 * np.pi, rng.random(150) * 0.8 - 0.4
+def moebius_band(rng, num=150):
+    u, v = rng.random(num) * 2 * np.pi, rng.random(num) * 0.8 - 0.4
     radius = 1 + v * np.cos(u / 2)
     return np.c_[radius * np.cos(u), radius * np.sin(u), v * np.sin(u / 2)]
 
@@ -296,6 +296,18 @@ def test_openings_are_read_only_and_pickled():
     with pytest.raises(AttributeError):
         one.decision = "closed"
     assert repr(pickle.loads(pickle.dumps(rec)).openings) == repr(rec.openings)
+
+
+@pytest.mark.parametrize("seed", [6, 8, 9])
+def test_a_bridge_between_rims_is_doubted(seed):
+    rec = reconstruct(moebius_band(np.random.default_rng(seed), 100), 2)
+    assert betti(rec) == (1, 1, 0) or "neck" in str(rec.quality)
+
+
+@pytest.mark.parametrize("build", [band, moebius_band, rolled_sheet])
+def test_a_band_of_some_spacings_is_no_neck(build):
+    rec = reconstruct(build(np.random.default_rng(0)), 2)
+    assert "neck" not in str(rec.quality)
 
 
 # --- Rims that are known ------------------------------------------------------------
