@@ -82,10 +82,12 @@ void bind_chain(py::module_& module) {
       "fill_cavities",
       [](const InputArray<double>& points, const InputArray<Index>& fixed,
          const InputArray<Index>& candidates, double hole_radius,
-         Index search_candidates, Index largest_program, Index window, Index refill,
-         const py::object& solve, int num_threads, const py::object& progress) {
+         Index search_candidates, bool search_oriented, Index largest_program,
+         Index window, Index refill, const py::object& solve, int num_threads,
+         const py::object& progress) {
         ChainOptions options;
         options.search_candidates = search_candidates;
+        options.search_oriented = search_oriented;
         options.largest_program = largest_program;
         options.window = window;
         options.refill = refill;
@@ -95,6 +97,7 @@ void bind_chain(py::module_& module) {
       arg("points").noconvert(), arg("fixed").noconvert(),
       arg("candidates").noconvert(), py::kw_only(), arg("hole_radius"),
       arg("search_candidates") = defaults.search_candidates,
+      arg("search_oriented") = defaults.search_oriented,
       arg("largest_program") = defaults.largest_program,
       arg("window") = defaults.window, arg("refill") = defaults.refill, arg("solve"),
       arg("num_threads"), arg("progress"));

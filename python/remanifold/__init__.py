@@ -28,6 +28,7 @@ from remanifold.judging.singularities import Place, Singularities, find_singular
 from remanifold.method.cleaning import Smoothing, find_outliers, smooth
 from remanifold.method.dimension import DimensionEstimate, estimate_dimension
 from remanifold.method.openings import Opening
+from remanifold.method.provenance import Parameter, Parameters, Provenance
 from remanifold.method.result import Repair
 from remanifold.method.steps import (
     EdgeSets,
@@ -43,7 +44,7 @@ from remanifold.method.steps import (
 )
 from remanifold.page.report_page import write_report
 from remanifold.results.reconstruct import reconstruct
-from remanifold.results.reconstruction import Reconstruction
+from remanifold.results.reconstruction import Reconstruction, load
 from remanifold.results.simplicial_complex import SimplicialComplex, Subcomplex
 from remanifold.warnings import (
     DimensionWarning,
@@ -65,9 +66,12 @@ __all__ = [
     "ManifoldWarning",
     "Neighborhoods",
     "Opening",
+    "Parameter",
+    "Parameters",
     "Place",
     "PointsOnComplex",
     "Projection",
+    "Provenance",
     "Quality",
     "Reason",
     "RecallWarning",
@@ -93,6 +97,7 @@ __all__ = [
     "find_singularities",
     "interoperability",
     "io",
+    "load",
     "local_regions",
     "neighborhoods",
     "plot",

@@ -130,6 +130,7 @@ def fill_cavities(
     *,
     hole_radius: float,
     search_candidates: int = ...,
+    search_oriented: bool = ...,
     largest_program: int = ...,
     window: int = ...,
     refill: int = ...,

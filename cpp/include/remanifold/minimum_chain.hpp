@@ -39,6 +39,9 @@ struct ChainOptions {
   /// Steps of a search after which the cavity becomes a program; where there is no solver
   /// the best filling found by then is taken.
   Index search_steps = 500;
+  /// Whether what a search finds has to have an orientation that agrees with the rims: among
+  /// many candidates there are fillings without one. Where it has none a program decides.
+  bool search_oriented = false;
   /// The largest program that is ever built has so many candidates. Larger cavities are cut
   /// into windows.
   Index largest_program = 4000;

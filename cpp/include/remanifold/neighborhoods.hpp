@@ -98,6 +98,15 @@ struct Neighborhoods {
 Neighborhoods find_neighborhoods(const Samples& samples, const NeighborSearch& search,
                                  Index count, const Execution& execution = {});
 
+/// What find_neighborhoods finds where the search is exact and some samples were left out
+/// since these neighborhoods were found: the search is only asked where too few are left.
+/// \param left_out  ascending numbers among the samples of the known neighborhoods
+/// \param samples   the others, in the same order
+Neighborhoods keep_neighborhoods(const Neighborhoods& known,
+                                 const std::vector<Index>& left_out,
+                                 const Samples& samples, const NeighborSearch& search,
+                                 Index count, const Execution& execution = {});
+
 /// Share of the exact neighbors that the search finds, over `num_queries` evenly spread
 /// samples.
 double measure_recall(const Samples& samples, const NeighborSearch& search, Index count,

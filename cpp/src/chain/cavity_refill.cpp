@@ -169,9 +169,12 @@ void CavityRefill::run(Index cavity, const ProgramSolver& solver,
         set([&](std::size_t i) { return previous[i] != 0; });
       }
     }
-    // Facets among the nearer half were looked at as well.
+    // Facets among the nearer half were looked at as well, and all of them where nothing
+    // is farther.
     tried_[facet] = 1;
-    const std::size_t half = (near.candidates.size() + 1) / 2;
+    const std::size_t count = near.candidates.size();
+    const std::size_t half =
+        count < static_cast<std::size_t>(size_) ? count : (count + 1) / 2;
     for (std::size_t i = 0; i < near.candidates.size(); ++i) {
       const Index* facets = cavities_.facets_without(near.candidates[i]);
       for (int j = 0; j < arity_; ++j) {

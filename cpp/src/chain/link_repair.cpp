@@ -39,7 +39,8 @@ class LinkRepair {
         complex_(simplices, samples.size()),
         arity_(simplices.arity),
         ruler_(samples, scales),
-        inside_(samples.size(), 0) {}
+        inside_(samples.size(), 0),
+        hole_of_(samples.size(), -1) {}
 
   bool is_singular(Index v) const {
     return !complex_.star(v).empty() && !is_sphere_or_ball(complex_.link(v));
@@ -70,12 +71,22 @@ class LinkRepair {
   /// costs less than leaving them open.
   void close_holes(const std::vector<Index>& touched, const FacetPrice& price) {
     for (const Index v : touched) {
-      std::vector<Index> hole = hole_at(v);
-      if (hole.empty()) {
-        continue;
+      if (hole_of_[v] >= 0 && changed_[hole_of_[v]] == 0) {
+        continue;  // tried from another of its vertices
       }
+      std::vector<Index> hole;
+      const bool small = find_hole(v, hole);
+      for (const Index w : hole) {
+        hole_of_[w] = static_cast<Index>(changed_.size());
+      }
+      changed_.push_back(0);
       Move move;
-      if (fill(hole, {}, price, move) && change_by(move) <= 0) {
+      if (small && fill(hole, {}, price, move) && change_by(move) <= 0) {
+        for (const Index w : vertices_of(move)) {
+          if (hole_of_[w] >= 0) {
+            changed_[hole_of_[w]] = 1;
+          }
+        }
         apply(move);
       }
     }
@@ -84,9 +95,11 @@ class LinkRepair {
   SimplexArray finish() { return complex_.finish(); }
 
  private:
-  /// Vertices of the connected open facets at v; none where there are too many.
-  std::vector<Index> hole_at(Index v) const {
-    std::vector<Index> found{v};
+  /// \param found  vertices of the connected open facets at v, or some where there are
+  ///               too many
+  /// \returns whether that is a hole with few vertices
+  bool find_hole(Index v, std::vector<Index>& found) const {
+    found.assign(1, v);
     for (std::size_t next = 0; next < found.size(); ++next) {
       for (const Offset s : complex_.star(found[next])) {
         for (int i = 0; i < arity_; ++i) {
@@ -103,14 +116,11 @@ class LinkRepair {
         }
       }
       if (found.size() > kMostVertices) {
-        return {};
+        return false;
       }
     }
-    if (found.size() == 1) {
-      return {};
-    }
     std::sort(found.begin(), found.end());
-    return found;
+    return found.size() > 1;
   }
 
   std::vector<Move> moves_at(Index v) {
@@ -356,6 +366,9 @@ class LinkRepair {
   int arity_;
   SimplexRuler ruler_;
   std::vector<std::uint8_t> inside_;
+  std::vector<Index> hole_of_;  // the last hole tried at each vertex, or -1
+  std::vector<std::uint8_t>
+      changed_;  // holes at whose vertices simplices changed since
 };
 
 /// Marked vertices on facets with one coface.

@@ -101,8 +101,7 @@ class ManifoldBuilder {
     const Index refill = std::exchange(options_.chain.refill, 0);
     fill(false);
     options_.chain.refill = refill;
-    // A wider choice offers fillings without orientation; programs see that.
-    options_.chain.search_candidates = 0;
+    options_.chain.search_oriented = true;
     for (int widening = 0; widening < 2 && !open_region_.empty(); ++widening) {
       widen(widening);
       fill(widening == 1);
@@ -474,17 +473,39 @@ class ManifoldBuilder {
     orient_result();
   }
 
-  /// Links, and samples that were left out.
+  /// Links, and samples that were left out: at first wherever something is unsettled, then
+  /// next to what changed since.
   void mend() {
     ManifoldReport& report = result_.report;
-    repair_links(samples_, scales_, unsettled_, price_, result_.simplices, execution_);
+    repair_links(samples_, scales_, changed_.empty() ? unsettled_ : next_to(changed_),
+                 price_, result_.simplices, execution_);
     Insertion insertion =
         insert_vertices(samples_, neighborhoods_, scales_, options_.outlier_distance,
                         result_.simplices, execution_);
+    changed_.assign(samples_.size(), 0);
+    for (const Index v : insertion.inserted) {
+      changed_[v] = 1;
+    }
+    changed_ = next_to(changed_);
     report.inserted.insert(report.inserted.end(), insertion.inserted.begin(),
                            insertion.inserted.end());
     detail::sort_unique(report.inserted);
     report.outliers = std::move(insertion.outliers);
+  }
+
+  /// Marked samples and those that share a simplex with one.
+  std::vector<std::uint8_t> next_to(const std::vector<std::uint8_t>& marked) const {
+    std::vector<std::uint8_t> result = marked;
+    for (const Offset s : detail::rows_near(result_.simplices, marked, 1, execution_)) {
+      mark(result_.simplices[s], result);
+    }
+    return result;
+  }
+
+  void mark(const Index* simplex, std::vector<std::uint8_t>& samples) const {
+    for (int i = 0; i < arity_; ++i) {
+      samples[simplex[i]] = 1;
+    }
   }
 
   /// Takes out what bridges openings that chance does not explain; where another rule
@@ -504,10 +525,9 @@ class ManifoldBuilder {
     std::vector<std::uint8_t> marked(result_.simplices.size(), 0);
     for (const Offset s : found.bridges) {
       marked[s] = 1;
-      for (int i = 0; i < arity_; ++i) {
-        opened_[result_.simplices[s][i]] = 1;
-        unsettled_[result_.simplices[s][i]] = 1;
-      }
+      mark(result_.simplices[s], opened_);
+      mark(result_.simplices[s], unsettled_);
+      mark(result_.simplices[s], changed_);
     }
     pool_ = detail::select_rows(result_.simplices, found.bridges);
     detail::erase_rows(result_.simplices, marked);
@@ -605,31 +625,27 @@ class ManifoldBuilder {
         fill_from_pool(result_.simplices, opened_, false);
     for (const Index c : chain.chosen) {
       detail::append_row(result_.simplices, cavities.candidates[c]);
+      mark(cavities.candidates[c], changed_);
     }
     result_.simplices = detail::sorted_unique(result_.simplices, execution_);
   }
 
   /// Repairs reach beyond the samples that were unsettled.
   void unsettle_changed() {
-    const auto mark = [&](const Index* simplex) {
-      for (int i = 0; i < arity_; ++i) {
-        unsettled_[simplex[i]] = 1;
-      }
-    };
     Offset a = 0;  // agreed simplices are sorted as well
     for (Offset s = 0; s < result_.simplices.size(); ++s) {
       const Index* simplex = result_.simplices[s];
       for (; a < num_agreed_ && detail::row_less(fixed_[a], simplex, arity_); ++a) {
-        mark(fixed_[a]);
+        mark(fixed_[a], unsettled_);
       }
       if (a < num_agreed_ && detail::row_equal(fixed_[a], simplex, arity_)) {
         ++a;
       } else {
-        mark(simplex);
+        mark(simplex, unsettled_);
       }
     }
     for (; a < num_agreed_; ++a) {
-      mark(fixed_[a]);
+      mark(fixed_[a], unsettled_);
     }
   }
 
@@ -688,7 +704,9 @@ class ManifoldBuilder {
   Offset num_agreed_ = 0;
   std::vector<std::uint8_t> unsettled_;  // samples at which facets may be open
   std::vector<std::uint8_t> opened_;     // samples at openings by evidence; or empty
-  std::vector<Index> open_region_;       // samples around what stayed open, ascending
+  std::vector<std::uint8_t>
+      changed_;                     // samples at what changed since links were mended
+  std::vector<Index> open_region_;  // samples around what stayed open, ascending
   ManifoldComplex result_;
 };
 

@@ -54,6 +54,9 @@ class ChainSolver {
     if (!solver_) {
       return true;
     }
+    if (options_.search_oriented && fixed_.arity == 2) {
+      return false;
+    }
     // Samples of a curve that nothing fixed touches are for the program to cover.
     return cavities_.candidates_in.size(cavity) <= options_.search_candidates &&
            (fixed_.arity > 2 ||
@@ -80,15 +83,25 @@ class ChainSolver {
             }
           }
         });
+    const bool oriented = needs_orientation() && solver_;
     for (Index c = 0; c < count; ++c) {
-      if (finished[c] != 0 || !solver_) {
+      if (oriented && finished[c] != 0) {
+        large_.push_back(c);
+        found_.push_back(std::move(chosen[c]));
+      } else if (finished[c] != 0 || !solver_) {
         fill_.searched += finished[c];
         fill_.unsolved += 1 - finished[c];
         fill_.chosen.insert(fill_.chosen.end(), chosen[c].begin(), chosen[c].end());
       } else {
         large_.push_back(c);
+        found_.emplace_back(std::nullopt);
       }
     }
+  }
+
+  /// Where K = D every candidate has the sign that it must have.
+  bool needs_orientation() const {
+    return options_.search_oriented && cavities_.orientations.empty();
   }
 
   void solve_all() {
@@ -101,12 +114,19 @@ class ChainSolver {
     if (orientation && options_.refill > 0) {
       refill.emplace(cavities_, options_.refill);
     }
-    for (const Index cavity : large_) {
+    for (std::size_t i = 0; i < large_.size(); ++i) {
+      const Index cavity = large_[i];
       if (cavities_.candidates_in.size(cavity) <= options_.largest_program) {
         const detail::CavityPart part = detail::whole_cavity(cavities_, cavity);
         bool guessed = false;
-        std::vector<Index> filling = solve(
-            part, orientation ? choices(part, *orientation, guessed) : own_signs(part));
+        const std::vector<Signs> signs =
+            orientation ? choices(part, *orientation, guessed) : own_signs(part);
+        if (found_[i] && detail::has_orientation(part, signs[0], *found_[i])) {
+          ++fill_.searched;
+          keep(*found_[i]);
+          continue;
+        }
+        std::vector<Index> filling = solve(part, signs);
         if (refill && guessed) {
           refill->run(cavity, solver_, execution_, filling);
         }
@@ -292,7 +312,9 @@ class ChainSolver {
   const ChainOptions& options_;
   const ProgramSolver& solver_;
   const Execution& execution_;
-  std::vector<Index> large_;
+  std::vector<Index> large_;  // cavities for programs
+  /// Of each of them: a filling of least energy whatever its orientation, if known.
+  std::vector<std::optional<std::vector<Index>>> found_;
   ChainFill fill_;
 };
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "chain/relative_signs.hpp"
 
+#include "base/signed_sets.hpp"
+
+#include <algorithm>
 #include <queue>
 #include <tuple>
 #include <utility>
@@ -101,6 +104,35 @@ class SignWalk {
 std::vector<std::int8_t> relative_signs(const CavityPart& part,
                                         const RimOrientation::Signs& rims) {
   return SignWalk(part, rims).run();
+}
+
+bool has_orientation(const CavityPart& part, const std::vector<std::int8_t>& signs,
+                     const std::vector<Index>& chosen) {
+  // The last node stands for the simplices at the rims, whose sides are known.
+  const auto rims = static_cast<Offset>(chosen.size());
+  SignedSets sets(rims + 1);
+  struct Side {
+    Offset node;
+    int parity;
+  };
+  std::vector<Side> side_at(part.num_facets(), {-1, 0});
+  for (Offset f = 0; f < part.num_facets(); ++f) {
+    if (part.rims[f] != kOpen) {
+      side_at[f] = {rims, signs[f] * parity(part.rims[f] % part.arity())};
+    }
+  }
+  for (Offset i = 0; i < rims; ++i) {
+    const Offset c = part.find_candidate(chosen[i]);
+    for (int k = 0; k < part.arity(); ++k) {
+      Side& other = side_at[part.facet_of(c, k)];
+      if (other.node < 0) {
+        other = {i, parity(k)};
+      } else if (!sets.join(i, other.node, -parity(k) * other.parity)) {
+        return false;
+      }
+    }
+  }
+  return true;
 }
 
 }  // namespace remanifold::detail

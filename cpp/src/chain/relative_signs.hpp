@@ -19,4 +19,11 @@ namespace remanifold::detail {
 std::vector<std::int8_t> relative_signs(const CavityPart& part,
                                         const RimOrientation::Signs& rims);
 
+/// Whether some candidates of the part can be oriented such that what meets at a facet
+/// cancels there.
+/// \param signs  of the simplex that is at each facet
+/// \param chosen  no more than two simplices on a facet, with what is there already
+bool has_orientation(const CavityPart& part, const std::vector<std::int8_t>& signs,
+                     const std::vector<Index>& chosen);
+
 }  // namespace remanifold::detail

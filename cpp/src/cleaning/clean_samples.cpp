@@ -36,17 +36,16 @@ void CleanSamples::run(Index count) {
   if (count > 0 || outlier_distance_ > 0) {
     find(std::max<Index>(count, outlier_scale_neighbors(options_.dim)));
   }
-  bool stale = false;
+  std::vector<Index> outliers;
+  bool moved = false;
   if (outlier_distance_ > 0) {
     const Timed timed(cleaning_seconds_);
     begin_step(execution_, Step::kOutliers, 0);
-    const std::vector<Index> outliers =
-        find_outliers(given_, *search_, neighborhoods_,
-                      {options_.dim, outlier_distance_}, execution_);
+    outliers = find_outliers(given_, *search_, neighborhoods_,
+                             {options_.dim, outlier_distance_}, execution_);
     if (!outliers.empty()) {
       report_.outliers = to_input(outliers);
       change(given_.without(outliers));
-      stale = true;
     }
   }
   if (options_.smooth) {
@@ -68,20 +67,33 @@ void CleanSamples::run(Index count) {
     report_.smoothing_rounds = smoothed.rounds;
     if (!smoothed.points.empty()) {
       move(smoothed.points);
-      stale = true;
+      moved = true;
       if (thins_) {
         thin(smoothed.resolution * given_.scale() / samples().scale());
       }
     }
   }
-  if (stale && count > 0) {
+  if (count > 0 && moved) {
     find(count);
+  } else if (count > 0 && !outliers.empty()) {
+    keep(outliers, count);
   }
 }
 
 void CleanSamples::find(Index count) {
   const Timed timed(neighborhood_seconds_);
   neighborhoods_ = find_neighborhoods(samples(), *search_, count, execution_);
+}
+
+void CleanSamples::keep(const std::vector<Index>& outliers, Index count) {
+  if (search_->method() == SearchMethod::kApproximate ||
+      !neighborhoods_.squared_distances.empty()) {
+    find(count);
+    return;
+  }
+  const Timed timed(neighborhood_seconds_);
+  neighborhoods_ = keep_neighborhoods(neighborhoods_, outliers, samples(), *search_,
+                                      count, execution_);
 }
 
 void CleanSamples::change(Samples samples) {

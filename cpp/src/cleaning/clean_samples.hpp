@@ -36,6 +36,8 @@ class CleanSamples {
 
  private:
   void find(Index count);
+  /// The same where all that changed is that outliers are gone.
+  void keep(const std::vector<Index>& outliers, Index count);
   void change(Samples samples);
   void move(const std::vector<double>& points);
   void thin(double distance);

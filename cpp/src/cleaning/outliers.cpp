@@ -63,7 +63,9 @@ class OutlierFinder {
             std::min(samples.size() / 2,
                      std::max<Index>(3 * detail::QuadraticFit::unknowns(options.dim),
                                      kFewestVotes))),
-        out_(samples.size(), 0),
+        out_(samples.size(), kIn),
+        known_(samples.size()),
+        known_in_(samples.size(), kNever),
         apart_(samples.size()),
         reach_(samples.size()),
         scales_(samples.size()) {}
@@ -74,14 +76,14 @@ class OutlierFinder {
       return outliers;
     }
     measure_all();
-    for (int round = 0; round < kMostRounds; ++round) {
+    for (round_ = 0; round_ < kMostRounds; ++round_) {
       const std::vector<Index> found = find();
       if (found.empty()) {
         break;
       }
       outliers.insert(outliers.end(), found.begin(), found.end());
       for (const Index x : found) {
-        out_[x] = 1;
+        out_[x] = static_cast<std::int8_t>(round_);
       }
       measure_all();
     }
@@ -94,18 +96,27 @@ class OutlierFinder {
     std::unique_ptr<NeighborSearch::Query> query;
     std::vector<Neighbor> found;
     std::vector<Index> near;
+    std::int8_t latest = kNever;  // round in which the last that is passed over went
     std::vector<double> values;
   };
+  static constexpr std::int8_t kIn = -1;
+  static constexpr std::int8_t kNever = -1;
 
   /// The nearest others that are no outliers, from the neighborhoods where these suffice.
   void nearest(Index x, Index count, Scratch& scratch) const {
     std::vector<Index>& near = scratch.near;
+    const auto take = [&](Index y) {
+      if (out_[y] == kIn) {
+        near.push_back(y);
+      } else {
+        scratch.latest = std::max(scratch.latest, out_[y]);
+      }
+    };
     near.clear();
+    scratch.latest = kNever;
     const Index* known = neighborhoods_.of(x);
     for (Index k = 0; k < neighborhoods_.count && as_index(near) < count; ++k) {
-      if (out_[known[k]] == 0) {
-        near.push_back(known[k]);
-      }
+      take(known[k]);
     }
     Index asked = std::max(neighborhoods_.count, count);
     while (as_index(near) < count && asked < 2 * samples_.size()) {
@@ -117,8 +128,8 @@ class OutlierFinder {
                              std::numeric_limits<double>::infinity(), scratch.found);
       near.clear();
       for (const Neighbor& neighbor : scratch.found) {
-        if (out_[neighbor.index] == 0 && as_index(near) < count) {
-          near.push_back(neighbor.index);
+        if (as_index(near) < count) {
+          take(neighbor.index);
         }
       }
     }
@@ -143,7 +154,7 @@ class OutlierFinder {
       }
     } else {
       alive_.erase(std::remove_if(alive_.begin(), alive_.end(),
-                                  [&](Index x) { return out_[x] != 0; }),
+                                  [&](Index x) { return out_[x] != kIn; }),
                    alive_.end());
     }
     detail::PerThread<Scratch> scratches;
@@ -292,8 +303,42 @@ class OutlierFinder {
   }
 
   /// Lower quartile of the normal distances of each of these samples from the quadrics of
-  /// its neighbors.
+  /// its neighbors, as it is known from an earlier round where none of them went since.
   std::vector<double> distances(const std::vector<Index>& asked) {
+    std::vector<Index> changed;
+    Scratch scratch;
+    for (const Index x : asked) {
+      if (!is_known(x, scratch)) {
+        changed.push_back(x);
+      }
+    }
+    const std::vector<double> values = distances_now(changed);
+    for (std::size_t i = 0; i < changed.size(); ++i) {
+      known_[changed[i]] = values[i];
+      known_in_[changed[i]] = static_cast<std::int8_t>(round_);
+    }
+    std::vector<double> result;
+    for (const Index x : asked) {
+      result.push_back(known_[x]);
+    }
+    return result;
+  }
+
+  bool is_known(Index x, Scratch& scratch) const {
+    if (known_in_[x] == kNever) {
+      return false;
+    }
+    nearest(x, vote_count_, scratch);
+    bool same = scratch.latest < known_in_[x];
+    const std::vector<Index> voters = scratch.near;
+    for (std::size_t i = 0; i < voters.size() && same; ++i) {
+      nearest(voters[i], vote_count_, scratch);
+      same = scratch.latest < known_in_[x];
+    }
+    return same;
+  }
+
+  std::vector<double> distances_now(const std::vector<Index>& asked) {
     struct Vote {
       Index voter;
       Index sample;
@@ -386,7 +431,10 @@ class OutlierFinder {
   const Execution& execution_;
   Index near_count_;
   Index vote_count_;
-  std::vector<std::uint8_t> out_;
+  int round_ = 0;
+  std::vector<std::int8_t> out_;       // the round in which a sample went, or kIn
+  std::vector<double> known_;          // what distances() found
+  std::vector<std::int8_t> known_in_;  // in which round, or kNever
   std::vector<Index> alive_;
   std::vector<double> apart_;
   std::vector<double> reach_;

@@ -335,6 +335,50 @@ std::unique_ptr<NeighborSearch::Query> NeighborSearch::query(
 
 Index NeighborSearch::block_size() const { return implementation_->block_size(); }
 
+namespace {
+
+/// \param known  called with a sample and its row: whether it could fill the row itself
+template <class Known>
+void search_rows(const Samples& samples, const NeighborSearch& search,
+                 const Known& known, const Execution& execution,
+                 Neighborhoods& result) {
+  struct Scratch {
+    std::unique_ptr<NeighborSearch::Query> query;
+    std::vector<Neighbor> list;
+  };
+  detail::PerThread<Scratch> scratch;
+  detail::for_each_block(
+      samples.size(), search.block_size(), execution, [&](Offset begin, Offset end) {
+        Scratch& local = scratch.local();
+        bool prepared = false;
+        for (Offset i = begin; i < end; ++i) {
+          const auto row = result.indices.begin() + i * result.count;
+          if (known(static_cast<Index>(i), row)) {
+            continue;
+          }
+          if (!local.query) {
+            local.query = search.query(execution);
+          }
+          if (!prepared) {
+            local.query->prepare(static_cast<Index>(begin), static_cast<Index>(end));
+            prepared = true;
+          }
+          local.query->nearest(static_cast<Index>(i), result.count,
+                               std::numeric_limits<double>::infinity(), local.list);
+          if (static_cast<Index>(local.list.size()) < result.count) {
+            throw std::runtime_error(
+                "the search found " + std::to_string(local.list.size()) +
+                " neighbors instead of " + std::to_string(result.count) +
+                "; raise checks or search exactly");
+          }
+          std::transform(local.list.begin(), local.list.end(), row,
+                         [](const Neighbor& neighbor) { return neighbor.index; });
+        }
+      });
+}
+
+}  // namespace
+
 Neighborhoods find_neighborhoods(const Samples& samples, const NeighborSearch& search,
                                  Index count, const Execution& execution) {
   if (count < 1) {
@@ -344,42 +388,53 @@ Neighborhoods find_neighborhoods(const Samples& samples, const NeighborSearch& s
   Neighborhoods result;
   result.count = std::min<Index>(count, samples.size() - 1);
   detail::begin_step(execution, Step::kNeighborhoods, samples.size());
-  const auto verified = [&] {
-    detail::assert_that([&] { verify_neighborhoods(samples, result); });
-    return std::move(result);
-  };
-  if (search.implementation().find_all(result.count, execution, result)) {
-    return verified();
+  if (!search.implementation().find_all(result.count, execution, result)) {
+    result.indices.resize(static_cast<std::size_t>(samples.size()) * result.count);
+    search_rows(
+        samples, search, [](Index, std::vector<Index>::iterator) { return false; },
+        execution, result);
   }
-  result.indices.resize(static_cast<std::size_t>(samples.size()) * result.count);
+  detail::assert_that([&] { verify_neighborhoods(samples, result); });
+  return result;
+}
 
-  struct Scratch {
-    std::unique_ptr<NeighborSearch::Query> query;
-    std::vector<Neighbor> list;
-  };
-  detail::PerThread<Scratch> scratch;
-  detail::for_each_block(
-      samples.size(), search.block_size(), execution, [&](Offset begin, Offset end) {
-        Scratch& local = scratch.local();
-        if (!local.query) {
-          local.query = search.query(execution);
-        }
-        local.query->prepare(static_cast<Index>(begin), static_cast<Index>(end));
-        for (Offset i = begin; i < end; ++i) {
-          local.query->nearest(static_cast<Index>(i), result.count,
-                               std::numeric_limits<double>::infinity(), local.list);
-          if (static_cast<Index>(local.list.size()) < result.count) {
-            throw std::runtime_error(
-                "the search found " + std::to_string(local.list.size()) +
-                " neighbors instead of " + std::to_string(result.count) +
-                "; raise checks or search exactly");
+Neighborhoods keep_neighborhoods(const Neighborhoods& known,
+                                 const std::vector<Index>& left_out,
+                                 const Samples& samples, const NeighborSearch& search,
+                                 Index count, const Execution& execution) {
+  constexpr Index kLeftOut = -1;
+  const auto num_known = samples.size() + static_cast<Index>(left_out.size());
+  std::vector<Index> now(num_known);
+  std::vector<Index> before;
+  before.reserve(samples.size());
+  auto next_out = left_out.begin();
+  for (Index x = 0; x < num_known; ++x) {
+    if (next_out != left_out.end() && *next_out == x) {
+      now[x] = kLeftOut;
+      ++next_out;
+    } else {
+      now[x] = static_cast<Index>(before.size());
+      before.push_back(x);
+    }
+  }
+  Neighborhoods result;
+  result.count = std::min<Index>(count, samples.size() - 1);
+  result.indices.resize(static_cast<std::size_t>(samples.size()) * result.count);
+  search_rows(
+      samples, search,
+      [&](Index x, std::vector<Index>::iterator row) {
+        const Index* near = known.of(before[x]);
+        Index found = 0;
+        for (Index k = 0; k < known.count && found < result.count; ++k) {
+          if (now[near[k]] != kLeftOut) {
+            row[found++] = now[near[k]];
           }
-          std::transform(local.list.begin(), local.list.end(),
-                         result.indices.begin() + i * result.count,
-                         [](const Neighbor& neighbor) { return neighbor.index; });
         }
-      });
-  return verified();
+        return found == result.count;
+      },
+      execution, result);
+  detail::assert_that([&] { verify_neighborhoods(samples, result); });
+  return result;
 }
 
 double measure_recall(const Samples& samples, const NeighborSearch& search, Index count,

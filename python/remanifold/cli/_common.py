@@ -5,7 +5,10 @@ from __future__ import annotations
 
 import contextlib
 import json
+import os
 import re
+import shlex
+import sys
 import time
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
@@ -22,6 +25,7 @@ from remanifold.formats._columns import check_columns
 from remanifold.formats._mesh import FileMesh
 from remanifold.formats._source import Source, is_standard
 from remanifold.formats.reading import READERS, read_file
+from remanifold.formats.saved import is_saved
 from remanifold.formats.writing import WRITERS
 
 T = TypeVar("T")
@@ -192,6 +196,21 @@ def check_invalid(source: Path, finite: NDArray[np.bool_], drop: bool) -> None:
             f"point {first}; --drop-invalid leaves them out"
         )
         raise ValueError(msg)
+
+
+def is_saved_result(path: Path) -> bool:
+    """Whether a file is a result that was saved whole."""
+    if is_standard(path) or not path.is_file():
+        return False
+    with path.open("rb") as file:
+        return is_saved(file)
+
+
+def command_line() -> str:
+    """The command that is running, as one would type it."""
+    name = os.path.basename(sys.argv[0])  # noqa: PTH119  not a path but its last part
+    program = ["python", "-m", "remanifold"] if name == "__main__.py" else [name]
+    return shlex.join([*program, *sys.argv[1:]])
 
 
 def print_report(

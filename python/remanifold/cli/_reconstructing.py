@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import warnings
 from collections.abc import Callable
 from pathlib import Path
@@ -12,7 +13,16 @@ import numpy as np
 from rich.console import Console
 
 import remanifold as rm
-from remanifold.cli._common import check_invalid, complaining, read_input, say, timed
+from remanifold._base.digest import digest_of_file
+from remanifold.cli._common import (
+    check_invalid,
+    command_line,
+    complaining,
+    read_input,
+    say,
+    timed,
+)
+from remanifold.formats._source import is_standard
 from remanifold.method.dimension import LOW_CONFIDENCE, low_confidence
 from remanifold.method.options import Options
 
@@ -83,6 +93,14 @@ def reconstruct_file(
             num_threads=threads,
             progress=show_progress,
         )
+    source_of = {"name": str(source) if is_standard(source) else source.name}
+    if not is_standard(source) and source.is_file():
+        source_of["sha256"] = digest_of_file(source)
+    if mesh.chosen:
+        source_of["columns"] = mesh.chosen
+    vars(rec)["provenance"] = dataclasses.replace(
+        rec.provenance, source=source_of, command=command_line()
+    )
     complaints = [str(warning.message) for warning in caught]
     if found is not None and found.confidence < LOW_CONFIDENCE:
         complaints.insert(0, low_confidence(found))

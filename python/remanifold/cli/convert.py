@@ -165,7 +165,14 @@ def _write(
     fields = _kept(mesh, suffix)
     if mesh.cells and suffix in MESH_WRITERS:
         (cells,) = mesh.cells.values()
-        write_mesh(output, mesh.points, cells, fields=fields, format=output_format)
+        write_mesh(
+            output,
+            mesh.points,
+            cells,
+            fields=fields,
+            format=output_format,
+            comment="\n".join(mesh.comment),
+        )
     else:
         write_points(output, mesh.points, fields=fields, format=output_format)
 

@@ -20,6 +20,7 @@ from remanifold.cli._common import (
     ThreadsOption,
     examples,
     failures,
+    is_saved_result,
     messages_console,
     print_report,
     read_input,
@@ -36,11 +37,13 @@ from remanifold.formats._mesh import (
 )
 from remanifold.formats._source import Source
 from remanifold.method.dimension import LOW_CONFIDENCE
+from remanifold.method.provenance import said
 from remanifold.method.survey import MOST, expected_bytes, expected_seconds, survey
 
 EPILOG = examples(
     "remanifold info scan.laz",
     "remanifold info mesh.ply --json",
+    "remanifold info scan.rm.npz",
     "remanifold info table.csv --columns easting,northing,height",
     "cat points.csv | remanifold info - --format csv",
 )
@@ -97,12 +100,53 @@ def info(
                 **_survey(mesh.points, threads, skip=brief or mesh_there),
                 **_complex(file, mesh, dim),
                 "notes": file.notes,
+                "result": _result(rm.load(source)) if is_saved_result(source) else None,
             }
         complaints = [str(warning.message) for warning in caught]
         report["warnings"] = guesses + complaints
         for text in complaints:
             say(messages, f"warning: {text}", "yellow")
     print_report(report, lambda told: _table(told, str(file)), as_json=as_json)
+
+
+def _result(rec: rm.Reconstruction) -> dict[str, Any]:
+    """Where a saved result comes from."""
+    origin = rec.provenance
+    return {
+        "version": origin.version,
+        "versions": origin.versions,
+        "created": origin.created,
+        "source": origin.source,
+        "command": origin.command,
+        "input_digest": origin.input,
+        "output_digest": rec.digest,
+        "parameters": {
+            name: {
+                "value": said(p.value) if isinstance(p.value, np.ndarray) else p.value,
+                "given": p.given,
+                "why": p.why,
+            }
+            for name, p in rec.parameters.items()
+        },
+        "parameters_text": str(rec.parameters),
+        "seconds": rec.timings,
+    }
+
+
+def _result_rows(result: dict[str, Any]) -> dict[str, str]:
+    made_of = "\n".join(result["source"].values())
+    return {
+        "made by": f"remanifold {result['version']}, {result['created']}",
+        **({"made from": made_of} if made_of else {}),
+        **({"command": result["command"]} if result["command"] else {}),
+        "digest of the samples": result["input_digest"],
+        "digest of the result": result["output_digest"],
+        "parameters": result["parameters_text"],
+        "seconds": "\n".join(
+            f"{seconds:.2f} {step.replace('_', ' ')}"
+            for step, seconds in result["seconds"].items()
+        ),
+    }
 
 
 def _points(points: NDArray[np.float64], threads: int | None) -> dict[str, Any]:
@@ -292,6 +336,8 @@ def _table(report: dict[str, Any], name: str) -> Table:
     if report["topology"] is not None:
         rows["unused vertices"] = f"{report['unused_vertices']:,}"
         rows |= _topology_rows(report["topology"])
+    if report["result"] is not None:
+        rows |= _result_rows(report["result"])
     return rows_table(rows)
 
 

@@ -51,13 +51,16 @@ from remanifold.cli._reconstructing import reconstruct_file
 from remanifold.cli.dimension import dim_report
 from remanifold.complex.topology import simplex_names
 from remanifold.formats._source import is_standard
+from remanifold.formats.saved import SUFFIX
 from remanifold.formats.writing import MESH_WRITERS, fitting_fields, write_valid
 from remanifold.io import check_output, write_mesh
+from remanifold.results.reconstruction import check_saved
 
 EPILOG = examples(
     "remanifold reconstruct scan.ply --dim 2 -o mesh.ply",
     "remanifold reconstruct curve.csv -k 1 -o curve.vtu --json",
     "remanifold reconstruct scan.laz -k auto -o mesh.npz --smooth auto",
+    "remanifold reconstruct scan.ply -k 2 -o scan.rm.npz",
     "remanifold reconstruct table.csv -k 2 -o mesh.ply --columns easting,northing,h",
     "remanifold reconstruct depth.pcd -k 2 -o mesh.ply --drop-invalid",
     "cat points.txt | remanifold reconstruct - --format txt -k 2 -o mesh.obj",
@@ -73,8 +76,9 @@ def reconstruct(
         typer.Option(
             "--output",
             "-o",
-            help=f"Mesh to write: {listed(MESH_WRITERS)}, which holds any dimension; - is "
-            "standard output, and then the report goes to standard error.",
+            help=f"Mesh to write: {listed(MESH_WRITERS)}, which holds any dimension; "
+            f"{SUFFIX} saves all of the result, its parameters too; - is standard "
+            "output, and then the report goes to standard error.",
         ),
     ],
     method: Method = "manifold",
@@ -128,9 +132,21 @@ def reconstruct(
         search=search,
     )
 
+    whole = output_format is None and output.name.lower().endswith(SUFFIX)
+    for flag, given in (
+        ("--keep-positions", keep_positions),
+        ("--fields", fields != "auto"),
+    ):
+        if whole and given:
+            msg = f"a saved result holds everything; {flag} is for meshes."
+            raise typer.BadParameter(msg, param_hint=f"'{flag}'")
+
     def check_target(dim: int, ambient_dim: int | None) -> None:
         try:
-            check_output(output, dim, ambient_dim, format=output_format)
+            if whole:
+                check_saved(output)
+            else:
+                check_output(output, dim, ambient_dim, format=output_format)
         except ValueError as error:
             raise typer.BadParameter(str(error), param_hint="'--output'") from None
         refuse_same_file(source, output)
@@ -154,11 +170,21 @@ def reconstruct(
         vertices: Any = rec.samples if keep_positions else rec.vertices
         known = rec.fields() if fields == "auto" else None
         kept = None if known is None else fitting_fields(output, known, output_format)
-        _, seconds_written = timed(
-            lambda: (write_valid if len(rec.invalid) else write_mesh)(
-                output, vertices, rec.simplices, fields=kept, format=output_format
+
+        def write() -> None:
+            if whole:
+                rec.save(output)
+                return
+            (write_valid if len(rec.invalid) else write_mesh)(
+                output,
+                vertices,
+                rec.simplices,
+                fields=kept,
+                format=output_format,
+                comment=rec.comment,
             )
-        )
+
+        _, seconds_written = timed(write)
         lost = [n for n in rec.vertex_attributes if kept is not None and n not in kept]
 
     seconds = {**done.seconds, **report["seconds"], "write": seconds_written}

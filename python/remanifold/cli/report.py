@@ -3,22 +3,23 @@
 
 from __future__ import annotations
 
-import os
-import shlex
-import sys
 from pathlib import Path
 from typing import Annotated
 
 import typer
+from rich.console import Console
 
+import remanifold as rm
 from remanifold._base.optional import load
 from remanifold.cli._common import (
     ColumnsOption,
     DropInvalidOption,
     FormatOption,
     ThreadsOption,
+    command_line,
     examples,
     failures,
+    is_saved_result,
     messages_console,
     refuse_same_file,
     say,
@@ -40,20 +41,22 @@ from remanifold.cli._options import (
     options_of,
 )
 from remanifold.cli._reconstructing import reconstruct_file
+from remanifold.method.options import Options
 from remanifold.page.report_page import check_page, write_report
 
 EPILOG = examples(
     "remanifold report scan.ply --dim 2 -o scan.html",
+    "remanifold report scan.rm.npz -o scan.html",
     "remanifold report curve.csv -k auto -o curve.html --title Coastline",
 )
 
 
 def report(
     source: Source,
-    dim: Dim,
     output: Annotated[
         Path, typer.Option("--output", "-o", help="Page to write: .html or .htm.")
     ],
+    dim: Dim = None,
     title: Annotated[
         str | None,
         typer.Option(show_default="name of the input", help="Heading of the page."),
@@ -74,7 +77,7 @@ def report(
     threads: ThreadsOption = None,
     quiet: Quiet = False,
 ) -> None:
-    """Reconstruct a manifold, and make a page of it.
+    """Reconstruct a manifold, or take a saved result, and make a page of it.
 
     One file of HTML that needs no network, with the complex to turn and all figures.
     """
@@ -99,8 +102,21 @@ def report(
             raise typer.BadParameter(str(error), param_hint="'--output'") from None
         refuse_same_file(source, output)
 
+    saved = is_saved_result(source)
+    if saved and (dim is not None or vars(options) != vars(Options())):
+        msg = f"{source}: is a saved result, which has its parameters already."
+        raise typer.BadParameter(msg, param_hint="'INPUT'")
+    if not saved and dim is None:
+        msg = "is needed: the dimension of the manifold, or auto."
+        raise typer.BadParameter(msg, param_hint="'--dim' / '-k'")
     with failures(messages):
         load("plotly", "plot")
+        if saved:
+            check_target()
+            rec = rm.load(source)
+            write_report(rec, output, title or source.name, rec.provenance.command)
+            _tell(rec, output, [], messages, quiet=quiet)
+            return
         done = reconstruct_file(
             source,
             dim,
@@ -113,16 +129,21 @@ def report(
             columns=columns,
             drop_invalid=drop_invalid,
         )
-        command = shlex.join([*_program(), *sys.argv[1:]])
-        write_report(done.rec, output, title or source.name, command)
-        size = output.stat().st_size
-    if not quiet:
-        for text in done.complaints:
-            say(messages, f"warning: {text}", "yellow")
-        typer.echo(done.rec.quality.verdict)
-        typer.echo(f"{output}, {size / 1e6:.1f} MB")
+        write_report(done.rec, output, title or source.name, command_line())
+        _tell(done.rec, output, done.complaints, messages, quiet=quiet)
 
 
-def _program() -> list[str]:
-    name = os.path.basename(sys.argv[0])  # noqa: PTH119  not a path but its last part
-    return ["python", "-m", "remanifold"] if name == "__main__.py" else [name]
+def _tell(
+    rec: rm.Reconstruction,
+    output: Path,
+    complaints: list[str],
+    messages: Console,
+    *,
+    quiet: bool,
+) -> None:
+    if quiet:
+        return
+    for text in complaints:
+        say(messages, f"warning: {text}", "yellow")
+    typer.echo(rec.quality.verdict)
+    typer.echo(f"{output}, {output.stat().st_size / 1e6:.1f} MB")

@@ -118,6 +118,11 @@ class ComplexData(ReadOnlyArrays):
         return topology_of(np.sort(self.simplices, axis=1), self.num_vertices)
 
     @property
+    def comment(self) -> str | None:
+        """What a file that it is written to says of where it comes from, if anything."""
+        return None
+
+    @property
     def _source(self) -> Input:
         """The positions, or the products as they were given."""
         if self.vertices is not None:

@@ -4,23 +4,28 @@
 from __future__ import annotations
 
 import functools
+from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from remanifold import _core
+from remanifold._base.html import fragment, shares
 from remanifold._base.progress import progress_callback
 from remanifold._base.read_only import ReadOnlyArrays
 from remanifold._base.text import one_line
 from remanifold._base.validation import check_int, check_num_threads, check_simplices
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from numpy.typing import ArrayLike, NDArray
 
     from remanifold._base.progress import Callback
 
 _MANY_FOR_ALGEBRA = 200_000  # simplices
+_MANY_PARTS = 12  # components that are described one by one
 
 
 def simplex_names(dim: int) -> list[str]:
@@ -86,6 +91,120 @@ class Topology(ReadOnlyArrays):
             closed=self.closed,
             orientable=self.orientable,
         )
+
+    @functools.cached_property
+    def name(self) -> str:
+        """Name of a connected curve or surface that is a manifold, such as "a torus".
+
+        Empty for all else. With boundary it is the closed surface less discs, but for
+        a disc, an annulus and a Möbius band.
+        """
+        if not self.manifold or self.components != 1 or not 1 <= self.dim <= 2:
+            return ""
+        if self.dim == 1:
+            return "a closed curve" if self.closed else "an arc"
+        holes = self.boundary_components
+        euler = self.euler_characteristic + holes  # with discs sewn in
+        if self.orientable:
+            genus = (2 - euler) // 2
+            shape = {0: "a sphere", 1: "a torus"}.get(
+                genus, f"a surface of genus {genus}"
+            )
+        else:
+            caps = 2 - euler
+            shape = {1: "a projective plane", 2: "a Klein bottle"}.get(
+                caps, f"a sphere with {caps} cross-caps"
+            )
+        named = {(True, 2, 1): "a disc", (True, 2, 2): "an annulus"}
+        named |= {(False, 1, 1): "a Möbius band"}
+        if holes == 0:
+            return shape
+        less = f"{shape} less {'a disc' if holes == 1 else f'{holes:,} discs'}"
+        return named.get((self.orientable, euler, holes), less)
+
+    @functools.cached_property
+    def description(self) -> str:
+        """What the complex is, such as "a closed surface of genus 1 (a torus)"."""
+        noun = {0: "set of points", 1: "curve", 2: "surface"}.get(
+            self.dim, f"{self.dim}-manifold"
+        )
+        if self.num_simplices[-1] == 0:
+            return f"nothing: no {simplex_names(self.dim)[-1]}"
+        if not self.manifold:
+            count = len(self.singular_vertices)
+            around = f"around {count:,} {'vertex' if count == 1 else 'vertices'}"
+            return f"no {noun}: {around} it is neither a ball nor half of one"
+        if self.components == 1 or self.dim == 0:
+            return self._describe_one(noun)
+        if self.components > _MANY_PARTS:
+            return f"{self.components:,} separate {noun}s"
+        parts = Counter(part.description for part in self._parts())
+        if len(parts) == 1:
+            return f"{self.components} separate parts, each {next(iter(parts))}"
+        told = (
+            f"{count} times {what}" if count > 1 else what
+            for what, count in parts.items()
+        )
+        return f"{self.components} separate parts: {', '.join(told)}"
+
+    def _describe_one(self, noun: str) -> str:
+        if self.dim == 0:
+            return f"{self.components:,} points"
+        if self.dim == 1:
+            return self.name
+        edge = ""
+        if self.boundary_components:
+            count = self.boundary_components
+            kind = "curve" if self.dim == 2 else "component"
+            edge = f" with {count:,} boundary {kind}{'' if count == 1 else 's'}"
+        closed = "closed " if self.closed else ""
+        if self.dim == 2 and self.orientable:
+            euler = self.euler_characteristic + self.boundary_components
+            genus = (2 - euler) // 2
+            known = f" ({self.name})" if "genus" not in self.name else ""
+            return f"a {closed}surface of genus {genus}{edge}{known}"
+        side = "orientable" if self.orientable else "non-orientable"
+        if self.dim == 2:
+            return f"a {closed}{side} surface{edge} ({self.name})"
+        betti = ""
+        if self.counting_settles_homology or "_homology" in vars(self):
+            numbers = ", ".join(map(str, self.betti_numbers))
+            betti = f", Betti numbers {numbers}"
+        return f"{'a' if closed or side[0] == 'n' else 'an'} {closed}{side} {noun}{edge}{betti}"
+
+    def _parts(self) -> Iterator[Topology]:
+        """Topology of each component."""
+        count = int(self._simplices.max()) + 1
+        own = _core.component_labels(self._simplices, count)[self._simplices[:, 0]]
+        for label in range(self.components):
+            yield topology_of(self._simplices[own == label], count)
+
+    def _repr_html_(self) -> str:
+        rows: list[tuple[str, object]] = [
+            (name, f"{count:,}")
+            for name, count in zip(
+                simplex_names(self.dim), self.num_simplices, strict=True
+            )
+        ]
+        rows.append(("Euler characteristic", f"{self.euler_characteristic:,}"))
+        rows.append(("components", f"{self.components:,}"))
+        known = self.counting_settles_homology or "_homology" in vars(self)
+        if known:
+            rows.append(("Betti numbers", ", ".join(map(str, self.betti_numbers))))
+        rows += [
+            (word, "yes" if value else "no")
+            for word, value in (
+                ("manifold", self.manifold),
+                ("closed", self.closed),
+                ("orientable", self.orientable),
+            )
+        ]
+        rows.append(("boundary components", f"{self.boundary_components:,}"))
+        if len(self.singular_vertices):
+            rows.append(("singular vertices", f"{len(self.singular_vertices):,}"))
+        bars = [(f"b{k}", b) for k, b in enumerate(self.betti_numbers)] if known else []
+        picture = shares("Betti numbers", bars) if bars else ""
+        return fragment(self.description, rows, picture)
 
     @property
     def num_vertices(self) -> int:

@@ -50,12 +50,15 @@ def thinned(
     while width > 0:
         leaders = _leaders(own, width)
         coarse = _distinct(leaders[rows])
+        if len(coarse) == 0:
+            break
         if len(coarse) <= limit:
             left, coarse = np.unique(coarse, return_inverse=True)
             return kept[left], coarse.reshape(-1, dim + 1)
         width *= 1.12
-    # All at one place.
-    left, rows = np.unique(rows[:limit], return_inverse=True)
+    # All at one place, or so many edges of a solid that clusters swallow all.
+    some = rows[np.arange(limit) * len(rows) // limit]
+    left, rows = np.unique(some, return_inverse=True)
     return kept[left], rows.reshape(-1, dim + 1)
 
 

@@ -95,8 +95,11 @@ def _scene(mesh: FileMesh) -> tuple[dict[str, Any], bytes]:
         }
         for size, cells in mesh.cells.items()
     ]
+    asset: dict[str, Any] = {"version": "2.0", "generator": "remanifold"}
+    if mesh.comment:
+        asset["extras"] = {"comment": mesh.comment}
     scene = {
-        "asset": {"version": "2.0", "generator": "remanifold"},
+        "asset": asset,
         "scene": 0,
         "scenes": [{"nodes": [0]}],
         "nodes": [{"mesh": 0}],

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import itertools
+import textwrap
 import warnings
 from dataclasses import dataclass, field
 from typing import Any, NoReturn
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 from remanifold.formats._source import FloatArray, IntArray, Source
 from remanifold.warnings import FileWarning
 
+COMMENT_WIDTH = 200  # of a line; some readers of PLY stop at 256
 NAMES = {0: "vertices", 1: "edges", 2: "triangles", 3: "tetrahedra"}
 
 
@@ -38,7 +40,8 @@ class FileMesh:
     """Points, simplices by their number of corners, and values at the points.
 
     `table` has the columns of the file where these are not the coordinates followed by
-    the fields; `chosen` says in words which of them became coordinates.
+    the fields; `chosen` says in words which of them became coordinates. `comment` is
+    what a file says besides: lines of ASCII of a length that all readers take.
     """
 
     points: FloatArray
@@ -46,6 +49,7 @@ class FileMesh:
     fields: dict[str, NDArray[Any]] = field(default_factory=dict)
     table: Table | None = None
     chosen: str = ""
+    comment: list[str] = field(default_factory=list)
 
 
 @dataclass
@@ -317,3 +321,21 @@ def without_degenerate(source: Source, simplices: IntArray) -> IntArray:
             stacklevel=4,
         )
     return simplices[kept]
+
+
+def finite_part(
+    vertices: FloatArray, simplices: NDArray[np.integer]
+) -> tuple[IntArray, IntArray]:
+    """Vertices that are somewhere, and the simplices by their numbers among these."""
+    rows = np.flatnonzero(np.isfinite(vertices).all(axis=1))
+    number = np.full(len(vertices), -1, dtype=np.int64)
+    number[rows] = np.arange(len(rows))
+    return rows, number[simplices]
+
+
+def comment_lines(text: str | None) -> list[str]:
+    """A comment as lines that go into any format."""
+    plain = (text or "").encode("ascii", "backslashreplace").decode()
+    words = "".join(c if c.isprintable() or c == "\n" else " " for c in plain)
+    lines = [textwrap.wrap(line, COMMENT_WIDTH) for line in words.splitlines()]
+    return [*itertools.chain.from_iterable(lines)]

@@ -118,6 +118,7 @@ def write_obj(file: IO[bytes], mesh: FileMesh) -> None:
         rows = np.column_stack(
             [rows, shares / 255 if shares.max(initial=0) > 1 else shares]
         )
+    file.writelines(f"# {line}\n".encode() for line in mesh.comment)
     file.writelines(f"v {' '.join(map(repr, row))}\n".encode() for row in rows.tolist())
     normals = mesh.fields.get("normals")
     if normals is not None:

@@ -115,7 +115,9 @@ def write_off(file: IO[bytes], mesh: FileMesh) -> None:
             colors = colors.astype(np.uint8)
         for row, color in zip(rows, colors.tolist(), strict=True):
             row += map(repr, color)
-    start = f"{kind}OFF\n" if dim == 3 else f"{kind}nOFF\n{dim} "
+    file.write(f"{kind}{'' if dim == 3 else 'n'}OFF\n".encode())
+    file.writelines(f"# {line}\n".encode() for line in mesh.comment)
+    start = "" if dim == 3 else f"{dim} "
     file.write(f"{start}{count} {len(cells)} 0\n".encode())
     file.writelines(f"{' '.join(row)}\n".encode() for row in rows)
     for cell in cells.tolist():

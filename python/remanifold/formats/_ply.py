@@ -381,6 +381,7 @@ def write_ply(file: IO[bytes], mesh: FileMesh) -> None:
     columns = _columns(mesh)
     header = ["ply", "format binary_little_endian 1.0"]
     header += [f"comment {_WIDE}{kind} {name}" for name, kind in _wide_names(mesh)]
+    header += [f"comment {line}" for line in mesh.comment]
     header += [f"element vertex {len(mesh.points)}"]
     header += [f"property {_NAMES[a.dtype.str[1:]]} {name}" for name, a in columns]
     vertices = np.empty(

@@ -104,6 +104,9 @@ def _binary(source: Source) -> FloatArray:
     return facets["corners"].reshape(-1, 3).astype(np.float64)
 
 
+_LONGEST_NAME = 200  # readers look for the first facet not far from the beginning
+
+
 def write_stl(file: IO[bytes], mesh: FileMesh) -> None:
     """Write text, which unlike binary STL holds doubles."""
     corners = mesh.points[mesh.cells[3]]
@@ -115,7 +118,9 @@ def write_stl(file: IO[bytes], mesh: FileMesh) -> None:
         )
     )
     lines = [f"vertex {x!r} {y!r} {z!r}\n" for x, y, z in mesh.points.tolist()]
-    file.write(b"solid\n")
+    # One line, which some readers cut at 80 letters: what made it, and the last digest.
+    name = " ".join(["solid", *mesh.comment[:1], *mesh.comment[1:][-1:]])
+    file.write(f"{name[:_LONGEST_NAME]}\n".encode())
     for normal, (a, b, c) in zip(normals.tolist(), mesh.cells[3].tolist(), strict=True):
         x, y, z = normal
         file.write(

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import csv
 import io
+import zipfile
 from typing import IO, Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from remanifold.formats._mesh import FileMesh, Table
 from remanifold.formats._molecule import read_molecule
 from remanifold.formats._source import FloatArray, Source
 from remanifold.formats._text import read_columns
+from remanifold.formats.saved import is_saved, mesh_of_saved
 
 # Names that an archive gives to its own arrays.
 RESERVED = ("points", "simplices")
@@ -51,6 +53,8 @@ def read_asc(source: Source, with_fields: bool) -> FileMesh:
 def read_numpy(source: Source, with_fields: bool) -> FileMesh:
     """Read an array, or an archive of points, simplices and fields."""
     with source.open() as file:
+        if is_saved(file):
+            return mesh_of_saved(source, file)
         # A damaged file is reported by whatever stumbles over it first: zipfile,
         # zlib, the parser of NumPy's header, ...
         try:
@@ -173,7 +177,11 @@ def write_npz(file: IO[bytes], mesh: FileMesh) -> None:
     arrays: dict[str, NDArray[Any]] = {"points": mesh.points}
     for cells in mesh.cells.values():
         arrays["simplices"] = cells.astype(np.int32)
-    np.savez_compressed(file, **arrays, **mesh.fields)  # type: ignore[arg-type]
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, array in {**arrays, **mesh.fields}.items():
+            with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
+                np.save(member, array, allow_pickle=False)
+        archive.comment = "\n".join(mesh.comment).encode()
 
 
 def write_npy(file: IO[bytes], mesh: FileMesh) -> None:

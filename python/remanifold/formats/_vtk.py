@@ -434,10 +434,16 @@ def _some(faces: Faces, wanted: NDArray[np.bool_]) -> Faces:
     return Faces(faces.corners[np.repeat(wanted, faces.sizes)], faces.sizes[wanted])
 
 
+_LONGEST_TITLE = 250
+
+
 def write_vtk(file: IO[bytes], mesh: FileMesh) -> None:
     """Write a binary unstructured grid; points without cells as a cell each."""
     count = len(mesh.points)
-    file.write(b"# vtk DataFile Version 4.2\nremanifold\nBINARY\n")
+    # A line of at most 256 characters.
+    brief = [line for line in mesh.comment if line.startswith(("input", "output"))]
+    title = ", ".join([*mesh.comment[:1], *brief])[:_LONGEST_TITLE] or "remanifold"
+    file.write(f"# vtk DataFile Version 4.2\n{title}\nBINARY\n".encode())
     file.write(f"DATASET UNSTRUCTURED_GRID\nPOINTS {count} double\n".encode())
     file.write(mesh.points.astype(">f8").tobytes())
     cells, kind = np.arange(count)[:, None], VERTICES[0]

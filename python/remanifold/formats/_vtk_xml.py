@@ -318,6 +318,7 @@ def _write(
     )
     parts = [
         '<?xml version="1.0"?>',
+        *_comment(mesh.comment),
         f"<VTKFile {settings}>",
         f"<{kind}>",
         piece,
@@ -331,6 +332,14 @@ def _write(
         parts += ["<PointData>", *fields, "</PointData>"]
     parts += ["</Piece>", f"</{kind}>", "</VTKFile>", ""]
     file.write("\n".join(parts).encode())
+
+
+def _comment(lines: list[str]) -> list[str]:
+    """Of XML, in which no two hyphens may follow each other."""
+    if not lines:
+        return []
+    text = "\n".join(line.replace("-", "&#45;") for line in lines)
+    return [f"<!--\n{text}\n-->"]
 
 
 def _data_array(name: str, array: NDArray[Any]) -> str:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import io
+import os
 import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -15,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from remanifold._base.files import StrPath, check_target, complete_file
 from remanifold.complex.data import check_complex
 from remanifold.formats._gltf import write_glb, write_gltf
-from remanifold.formats._mesh import FileMesh, simplex_name
+from remanifold.formats._mesh import FileMesh, comment_lines, finite_part, simplex_name
 from remanifold.formats._obj import write_obj
 from remanifold.formats._off import write_off
 from remanifold.formats._parquet import write_parquet
@@ -37,6 +38,7 @@ from remanifold.formats._tables import (
 )
 from remanifold.formats._vtk import write_vtk
 from remanifold.formats._vtk_xml import write_vtp, write_vtu
+from remanifold.formats.saved import SUFFIX
 
 if TYPE_CHECKING:
     from remanifold.complex.data import ComplexData
@@ -82,6 +84,7 @@ def write_mesh(
     *,
     fields: Mapping[str, ArrayLike] | None = None,
     format: str | None = None,
+    comment: str | None = None,
 ) -> None:
     """Write vertices and simplices to a file.
 
@@ -121,6 +124,10 @@ def write_mesh(
         in glTF as what shaders use.
     format : str, optional
         The format by its suffix, such as "ply", whatever the name of the file.
+    comment : str, optional
+        Lines of text for whoever opens the file: in PLY, OBJ, OFF, VTU and VTP as
+        comments, in glTF as extras of the asset, in an archive as its comment. STL and
+        VTK have one line, which holds the first and the last, and the digests.
 
     Raises
     ------
@@ -136,6 +143,7 @@ def write_mesh(
     """
     points, cells = _check_mesh(vertices, simplices)
     mesh = FileMesh(points, {cells.shape[1]: cells}, check_fields(fields, len(points)))
+    mesh.comment = comment_lines(comment)
     check_output(path, cells.shape[1] - 1, points.shape[1], format=format)
     _write(path, mesh, format, MESH_WRITERS)
 
@@ -146,6 +154,7 @@ def write_complex(
     fields: str | Mapping[str, ArrayLike] | None = "auto",
     *,
     format: str | None = None,
+    comment: str | None = None,
 ) -> None:
     """Write a complex to a file.
 
@@ -160,6 +169,8 @@ def write_complex(
         of the complex's `vertex_attributes` that the format holds.
     format : str, optional
         The format by its suffix, such as "ply", whatever the name of the file.
+    comment : str, optional
+        As for `write_mesh`; of a `Reconstruction` version, parameters and digests.
 
     Raises
     ------
@@ -185,7 +196,16 @@ def write_complex(
             msg = f"fields is {fields!r}, expected 'auto', None or a mapping"
             raise ValueError(msg)
         fields = fitting_fields(path, complex.vertex_attributes, format)
-    write_mesh(path, complex.vertices, complex.simplices, fields=fields, format=format)
+    if comment is None:
+        comment = complex.comment
+    write_mesh(
+        path,
+        complex.vertices,
+        complex.simplices,
+        fields=fields,
+        format=format,
+        comment=comment,
+    )
 
 
 def write_valid(
@@ -195,16 +215,42 @@ def write_valid(
     fields: Mapping[str, ArrayLike] | None,
     *,
     format: str | None = None,
+    comment: str | None = None,
 ) -> None:
     """Write a mesh without the vertices that are nowhere, and which the others were."""
-    rows = np.flatnonzero(np.isfinite(vertices).all(axis=1))
-    number = np.full(len(vertices), -1)
-    number[rows] = np.arange(len(rows))
+    rows, cells = finite_part(vertices, simplices)
     checked = check_fields(fields, len(vertices))
     kept: dict[str, ArrayLike] = {name: array[rows] for name, array in checked.items()}
     if fields is not None:
         kept |= fitting_fields(path, {"sample": rows}, format)
-    write_mesh(path, vertices[rows], number[simplices], fields=kept, format=format)
+    write_mesh(path, vertices[rows], cells, fields=kept, format=format, comment=comment)
+
+
+def suffix_for(dim: int, ambient_dim: int) -> str:
+    """The most common format that holds such simplices with any fields."""
+    fitting = (".ply", ".vtu") if ambient_dim <= 3 else ()
+    return next((s for s in fitting if dim in (WRITERS[s].dims or ())), ".npz")
+
+
+def mesh_bytes(
+    suffix: str, complex: ComplexData, fields: Mapping[str, ArrayLike]
+) -> bytes:
+    """A mesh as a file would hold it, without the vertices that are nowhere."""
+    assert complex.vertices is not None
+    rows, cells = finite_part(complex.vertices, complex.simplices)
+    known = check_fields(fields, len(complex.vertices))
+    mesh = FileMesh(
+        complex.vertices[rows],
+        {cells.shape[1]: cells},
+        {name: array[rows] for name, array in known.items()},
+        comment=comment_lines(complex.comment),
+    )
+    missing = 3 - mesh.points.shape[1]
+    if missing > 0 and WRITERS[suffix].three:
+        mesh.points = np.pad(mesh.points, ((0, 0), (0, missing)))
+    held = io.BytesIO()
+    WRITERS[suffix].write(held, mesh)
+    return held.getvalue()
 
 
 def write_points(
@@ -339,6 +385,12 @@ def _write(
         names = ", ".join(map(repr, lost))
         others = ", ".join(other for other in FIELD_WRITERS if other in known)
         msg = f"{path}: {suffix} cannot hold the fields {names}; use {others}"
+        raise ValueError(msg)
+    if os.fspath(path).lower().endswith(SUFFIX):
+        msg = (
+            f"{path}: {SUFFIX} is the name of a saved result, which rec.save() writes; "
+            "a mesh takes another"
+        )
         raise ValueError(msg)
     if suffix == ".npz":
         for name in RESERVED:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 
 from remanifold import _core
+from remanifold._base.html import fragment, histogram
 from remanifold._base.read_only import ReadOnlyArrays
 from remanifold._base.samples import Points
 from remanifold._base.text import two_digits
@@ -125,6 +126,21 @@ class Quality(ReadOnlyArrays):
 
     def __str__(self) -> str:
         return "\n".join([self.verdict, *(f"- {r.text}" for r in self.reasons)])
+
+    def _repr_html_(self) -> str:
+        answer = (
+            "no reason for doubt" if self.ok else f"in doubt: {self.reasons[0].text}"
+        )
+        noise = f"{self.noise:.3g} spacings" if math.isfinite(self.noise) else "unknown"
+        rows: list[tuple[str, object]] = [
+            ("samples in doubt", f"{int(self.doubtful.sum()):,}"),
+            ("noise", noise),
+        ]
+        if self.recommended_samples is not None:
+            rows.append(("samples that would do", f"{self.recommended_samples:,}"))
+        rows += [("and", reason.text) for reason in self.reasons[1:4]]
+        chart = histogram("spacing over reach", self.sampling_ratio)
+        return fragment(answer, rows, chart, f"{self.verdict}.")
 
     def __repr__(self) -> str:
         return f"Quality(ok={self.ok}, verdict={self.verdict!r})"

@@ -213,13 +213,13 @@ def estimate_dimension(
 
 def find_dimension(
     samples: Input, threads: int, progress: bool | Callback | None
-) -> int:
-    """Return the dimension for ``dim="auto"``; warn where it is not to be trusted."""
+) -> DimensionEstimate:
+    """Find the dimension for ``dim="auto"``; warn where it is not to be trusted."""
     with progress_callback(progress) as callback:
         found = estimate(samples, None, threads, callback)
     if found.confidence < LOW_CONFIDENCE:
         warnings.warn(low_confidence(found), DimensionWarning, stacklevel=3)
-    return found.dim
+    return found
 
 
 def low_confidence(found: DimensionEstimate) -> str:

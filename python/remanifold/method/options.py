@@ -86,7 +86,7 @@ class Options:
         if self.hole_radius is not None:
             check_positive(self.hole_radius, "hole_radius")
         check_significance(self.chance)
-        check_outliers(self._outliers)
+        check_outliers(self.outliers_or_default)
         check_smooth(self.smooth)
 
     def _is_given(self, name: str) -> bool:
@@ -116,7 +116,8 @@ class Options:
         return SIGNIFICANCE if self.significance is None else self.significance
 
     @property
-    def _outliers(self) -> Any:
+    def outliers_or_default(self) -> Any:
+        """`outliers`, given or not."""
         if self.outliers is not None:
             return self.outliers
         return False if self.is_paper else "auto"
@@ -172,7 +173,7 @@ class Options:
             boundary_samples=mask,
             hole_radius=0.0 if self.hole_radius is None else float(self.hole_radius),
             significance=float(self.chance),
-            outlier_distance=check_outliers(self._outliers),
+            outlier_distance=check_outliers(self.outliers_or_default),
             smooth=smooth,
             smoothing_neighbors=neighbors,
             only_noise=only_noise,

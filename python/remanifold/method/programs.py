@@ -69,6 +69,8 @@ def solve_program(
     program.a_matrix_.start_ = offsets.astype(np.int32)
     program.a_matrix_.index_ = columns
     program.a_matrix_.value_ = values
+    # Presolving a linear program takes longer here than it saves, and cannot be interrupted.
+    presolve = "choose" if len(integral) else "off"
     if len(integral):
         program.integrality_ = [
             highspy.HighsVarType.kInteger if i else highspy.HighsVarType.kContinuous
@@ -76,6 +78,7 @@ def solve_program(
         ]
     solver = _silent_solver()
     solver.setOptionValue("threads", 1)
+    solver.setOptionValue("presolve", presolve)
     solver.setOptionValue("mip_max_nodes", MAX_NODES)
     solver.setOptionValue("mip_rel_gap", 1e-9)
 

@@ -10,17 +10,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from remanifold import _core
+from remanifold._base.digest import digest
+from remanifold._base.html import fragment, shares
 from remanifold._base.read_only import ReadOnlyArrays
 from remanifold._base.text import one_line
 from remanifold.complex.data import ComplexData
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
 
     from remanifold.method.cleaning import Smoothing
     from remanifold.method.openings import Opening
+    from remanifold.method.options import Options
+    from remanifold.method.provenance import Parameters, Provenance
     from remanifold.method.steps import EdgeSets, Stars
 
 
@@ -133,6 +135,66 @@ class Repair(ReadOnlyArrays):
         """Faces in more than two simplices, and cliques in no star."""
         return len(self.callous_faces) + len(self.unstarred_simplices)
 
+    @property
+    def lacks(self) -> list[str]:
+        """What the result lacks, in words; nothing where all is as it was asked for."""
+        return [
+            f"{number:,} {one if number == 1 else more}"
+            for number, one, more in (
+                (
+                    self.num_holes,
+                    "hole where none was asked for",
+                    "holes where none were asked for",
+                ),
+                (
+                    len(self.callous_faces),
+                    "face in more than two simplices",
+                    "faces in more than two simplices",
+                ),
+                (
+                    len(self.unstarred_simplices),
+                    "simplex in no star",
+                    "simplices in no star",
+                ),
+                (
+                    len(self.singular_vertices),
+                    "vertex without a proper link",
+                    "vertices without a proper link",
+                ),
+                (
+                    self.num_unsolved,
+                    "cavity without a solution",
+                    "cavities without a solution",
+                ),
+            )
+            if number
+        ]
+
+    def _repr_html_(self) -> str:
+        lacks = self.lacks
+        answer = "nothing is left to mend"
+        if lacks:
+            answer = f"the result lacks something: {', '.join(lacks)}"
+        parts = [
+            ("agreed", self.num_agreed),
+            ("disputed", len(self.disputed_simplices)),
+            ("filled", len(self.filled_simplices)),
+        ]
+        rows: list[tuple[str, object]] = [("method", self.method)]
+        rows += [
+            (name, f"{number:,}")
+            for name, number in (
+                *(parts if self.method == "manifold" else ()),
+                ("open faces", len(self.open_faces)),
+                ("boundary components", self.num_boundary_components),
+                ("holes", self.num_holes),
+                ("unused samples", len(self.unused_vertices)),
+                ("copies merged", self.merged_samples),
+            )
+        ]
+        picture = shares("Simplices", parts) if self.method == "manifold" else ""
+        return fragment(answer, rows, picture)
+
     def remaining(self) -> list[tuple[str, tuple[int, ...]]]:
         """All that is left to mend: the reason and the vertices of each place."""
         return [
@@ -160,6 +222,7 @@ class ReconstructionData(ComplexData):
     timings: dict[str, float]
     openings: tuple[Opening, ...] = ()
     significance: float = 0.0
+    provenance: Provenance
     tangent_simplices: NDArray[np.int32] | None = None
     edge_sets: EdgeSets | None = None
     stars: Stars | None = None
@@ -172,8 +235,26 @@ class ReconstructionData(ComplexData):
     _frames: tuple[NDArray[np.float64], NDArray[np.int32], float] | None = None
     # What was decided by hand: samples of each place, and whether it is open.
     _decisions: tuple[tuple[NDArray[np.int32], bool], ...] = ()
-    # The same call with other decisions.
-    _again: Callable[[Any, Any], Any] | None = None
+    _options: Options | None = None
+
+    @property
+    def parameters(self) -> Parameters:
+        """Those of `reconstruct` as they were used, and why; see ``provenance``."""
+        return self.provenance.parameters
+
+    @functools.cached_property
+    def digest(self) -> str:
+        """SHA-256 of ``vertices`` and ``simplices``, as `Provenance` describes it.
+
+        Of ``simplices`` alone where there are no coordinates.
+        """
+        arrays = [a for a in (self.vertices, self.simplices) if a is not None]
+        return digest(*arrays)
+
+    @property
+    def comment(self) -> str:
+        """What a file says of where it comes from: version, parameters, digests."""
+        return "\n".join(self.provenance.comment(self.digest))
 
     @property
     def num_samples(self) -> int:

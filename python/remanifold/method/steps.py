@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from remanifold import _core
+from remanifold._base.html import fragment, histogram, number, shares
 from remanifold._base.progress import progress_callback
 from remanifold._base.text import one_line
 from remanifold._base.validation import (
@@ -47,6 +48,13 @@ class Neighborhoods(NamedTuple):
         samples, neighbors = self.indices.shape
         return one_line(self, samples=samples, num_neighbors=neighbors)
 
+    def _repr_html_(self) -> str:
+        samples, neighbors = self.indices.shape
+        answer = f"the {neighbors:,} nearest of each of {samples:,} samples"
+        chart = histogram("distance to the farthest", self.distances[:, -1])
+        median = float(np.median(self.distances[:, 0])) if samples else np.nan
+        return fragment(answer, [("median nearest", number(median))], chart)
+
 
 class TangentSpaces(NamedTuple):
     """Approximate tangent space of each sample."""
@@ -64,6 +72,14 @@ class TangentSpaces(NamedTuple):
             boundary=int(np.count_nonzero(self.boundary)),
         )
 
+    def _repr_html_(self) -> str:
+        lacking, total = int(np.count_nonzero(self.boundary)), len(self.boundary)
+        dim = self.simplices.shape[1] - 1
+        answer = f"tangent spaces of dimension {dim} at {total - lacking:,} samples"
+        parts = [("with one", total - lacking), ("without", lacking)]
+        rows = [("samples", f"{total:,}"), ("without one", f"{lacking:,}")]
+        return fragment(answer, rows, shares("Samples", parts))
+
 
 class EdgeSets(NamedTuple):
     """Edge set of each sample, in compressed rows."""
@@ -73,6 +89,11 @@ class EdgeSets(NamedTuple):
 
     def __repr__(self) -> str:
         return one_line(self, samples=len(self.offsets) - 1, indices=len(self.indices))
+
+    def _repr_html_(self) -> str:
+        sizes = np.diff(self.offsets).astype(np.float64)
+        answer = f"{len(self.indices):,} edges, seen from {len(sizes):,} samples"
+        return fragment(answer, [], histogram("edges of a sample", sizes))
 
 
 class Stars(NamedTuple):
@@ -88,6 +109,13 @@ class Stars(NamedTuple):
             dim=self.simplices.shape[1] - 1,
             simplices=len(self.simplices),
         )
+
+    def _repr_html_(self) -> str:
+        sizes = np.diff(self.offsets).astype(np.float64)
+        answer = (
+            f"{len(self.simplices):,} simplices, in stars of {len(sizes):,} samples"
+        )
+        return fragment(answer, [], histogram("simplices of a star", sizes))
 
 
 class LocalRegions(NamedTuple):
@@ -107,6 +135,17 @@ class LocalRegions(NamedTuple):
             simplices=len(self.stars.simplices),
             unbounded=int(np.count_nonzero(self.unbounded)),
         )
+
+    def _repr_html_(self) -> str:
+        unbounded = int(np.count_nonzero(self.unbounded))
+        answer = (
+            f"local regions of {len(self.radii):,} samples, {unbounded:,} unbounded"
+        )
+        rows = [
+            ("edges", f"{len(self.edge_sets.indices):,}"),
+            ("simplices", f"{len(self.stars.simplices):,}"),
+        ]
+        return fragment(answer, rows, histogram("radius", self.radii))
 
 
 def warn_of_recall(search: str, recall: float, stacklevel: int = 3) -> None:

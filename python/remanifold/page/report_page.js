@@ -1,6 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 (() => {
   "use strict";
+  const button = document.getElementById("download");
+  if (button) {
+    button.addEventListener("click", () => {
+      const packed = atob(document.getElementById("mesh").textContent);
+      const bytes = Uint8Array.from(packed, (letter) => letter.charCodeAt(0));
+      const link = document.createElement("a");
+      link.href = URL.createObjectURL(new Blob([bytes]));
+      link.download = button.dataset.name;
+      link.click();
+      button.dataset.bytes = bytes.length;
+      setTimeout(() => URL.revokeObjectURL(link.href), 60000);
+    });
+  }
+})();
+(() => {
+  "use strict";
   const place = document.getElementById("picture");
   const read = (name) => JSON.parse(document.getElementById(name).textContent);
   const { data, layout, looks } = read("figure");

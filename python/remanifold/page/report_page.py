@@ -3,26 +3,37 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from remanifold._base.files import StrPath, check_target, complete_file
+from remanifold._base.html import json_text, text
 from remanifold._base.optional import load
 from remanifold.complex.embedding import embed
 from remanifold.drawing import draw_plotly
 from remanifold.drawing.scene import scene_of
 from remanifold.judging.judged import JudgedReconstruction
 from remanifold.page import report_parts as parts
-from remanifold.page.html import json_text, text
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from numpy.typing import NDArray
+
     from remanifold.complex.embedding import Embedding
 
 SUFFIXES = (".html", ".htm")
 MOST_SHOWN = 40_000  # simplices that a phone still turns
-COLORS = ("sampling_ratio", "tangent_confidence", "quality", "component", "doubtful")
+COLORS = (
+    *("sampling_ratio", "curvature", "tangent_confidence", "quality", "component"),
+    "doubtful",
+)
+MOST_ATTRIBUTES = 6  # that can be chosen as colors
 # Nothing may be fetched, from wherever.
 POLICY = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
@@ -38,11 +49,13 @@ def write_report(
 ) -> None:
     """Write a page that shows a reconstruction and says how far to trust it.
 
-    The complex, which can be turned, with the samples in doubt; verdict, topology,
-    repair, histograms, outliers and noise, timings, versions and parameters. One file
+    `Reconstruction.answer` in its first line; the complex, which can be turned, with the
+    samples in doubt; topology, repair, openings and their evidence, histograms, outliers
+    and noise, parameters, versions, digests, timings, and the mesh to download. One file
     that loads nothing else: about 5 MB, nearly all of it the drawing library
-    plotly.js, and at most 4 MB more for the complex, which is coarsened for display
-    beyond 40,000 simplices; the page then says so.
+    plotly.js, at most 4 MB more for the picture, which is coarsened beyond 40,000
+    simplices (the page then says so), and the mesh to download, where that has at most
+    8 MB.
 
     Parameters
     ----------
@@ -53,7 +66,8 @@ def write_report(
     title : str, optional
         Heading, any text; by default what was reconstructed.
     command : str, optional
-        The command or call that made it, shown as it is.
+        The command or call that made it, shown as it is. By default that of the
+        `provenance`, or the call that makes the same from the same samples.
 
     Raises
     ------
@@ -127,10 +141,12 @@ def _page(rec: JudgedReconstruction, title: str, command: str | None) -> str:
             "</head>",
             "<body>",
             f"<header><h1>{text(title)}</h1>",
-            f'<p class="faint">{text(_default_title(rec))}, by remanifold.</p>',
+            parts.verdict(rec),
+            f'<p class="faint">{text(_default_title(rec))}, by remanifold.</p>'
+            if title != _default_title(rec)
+            else "",
             f'<nav aria-label="Sections" class="faint">{links}</nav></header>',
             "<main>",
-            parts.verdict(rec),
             _picture(rec),
             '<div class="columns"><div>',
             parts.topology(rec),
@@ -171,6 +187,9 @@ def _picture(rec: JudgedReconstruction) -> str:
         looks.append(
             {"name": _words(color), "traces": _changes(rec, placed, color, figure)}
         )
+    for name, values in _attributes(rec):
+        changes = _changes(rec, placed, values, figure)
+        looks.append({"name": name, "traces": changes})
     options = "".join(f"<option>{text(look['name'])}</option>" for look in looks)
     chooser = (
         '<div class="controls"><label for="color">Color</label>'
@@ -188,9 +207,19 @@ def _picture(rec: JudgedReconstruction) -> str:
         f"<figcaption>{text(note)}.</figcaption>\n"
         "<noscript><p>The picture needs JavaScript.</p></noscript>\n"
         "</figure>\n"
+        f"{parts.mesh(rec)}\n"
         f'<script type="application/json" id="figure">{json_text(content)}</script>\n'
         "</section>"
     )
+
+
+def _attributes(
+    rec: JudgedReconstruction,
+) -> Iterator[tuple[str, NDArray[np.float64]]]:
+    """What is known of the vertices, one number each."""
+    one = (n for n, array in rec.vertex_attributes.items() if array.ndim == 1)
+    for name in itertools.islice(one, MOST_ATTRIBUTES):
+        yield name, rec.vertex_attributes[name].astype(np.float64)
 
 
 def _words(color: str) -> str:
@@ -200,7 +229,9 @@ def _words(color: str) -> str:
 
 
 def _figure(
-    rec: JudgedReconstruction, placed: Embedding, color: str | None
+    rec: JudgedReconstruction,
+    placed: Embedding,
+    color: str | NDArray[np.float64] | None,
 ) -> tuple[dict[str, Any], list[str]]:
     """What plotly.js draws, and how it was embedded and coarsened."""
     scene = scene_of(
@@ -218,7 +249,10 @@ def _figure(
 
 
 def _changes(
-    rec: JudgedReconstruction, placed: Embedding, color: str, plain: dict[str, Any]
+    rec: JudgedReconstruction,
+    placed: Embedding,
+    color: str | NDArray[np.float64],
+    plain: dict[str, Any],
 ) -> dict[str, dict[str, Any]]:
     """What a coloring has other than the plain picture, by trace."""
     colored, _ = _figure(rec, placed, color)

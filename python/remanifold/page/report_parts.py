@@ -3,17 +3,14 @@
 
 from __future__ import annotations
 
+import base64
 import itertools
 import math
-import platform
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from remanifold import _core
-from remanifold.complex.measures import angles, edge_ratios, shapes
-from remanifold.complex.topology import simplex_names
-from remanifold.page.html import (
+from remanifold._base.html import (
     bullets,
     grid_table,
     histogram,
@@ -23,32 +20,38 @@ from remanifold.page.html import (
     section,
     text,
 )
+from remanifold.complex.measures import angles, edge_ratios, shapes
+from remanifold.complex.projection import simplex_volumes
+from remanifold.complex.topology import simplex_names
+from remanifold.formats.writing import fitting_fields, mesh_bytes, suffix_for
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from numpy.typing import NDArray
 
-    from remanifold.complex.topology import Topology
     from remanifold.judging.judged import JudgedReconstruction
 
 MOST_SAMPLES = 100  # in a table
 MOST_PLACES = 50
 COORDINATES = 6
+MOST_CARRIED = 8_000_000  # bytes of a mesh
 YES_NO = {True: "yes", False: "no"}
 
 
 def verdict(rec: JudgedReconstruction) -> str:
     """Say whether to trust the result, and why not."""
     quality = rec.quality
-    kind, word = ("good", "No reason for doubt.")
-    if not quality.ok:
-        kind, word = ("doubt", "In doubt.")
+    answer = rec._answer(judged=True)
+    first = answer.text[:1].upper() + answer.text[1:]
     said = quality.verdict[:1].upper() + quality.verdict[1:]
     reasons = [reason.text for reason in quality.reasons]
     return (
-        f'<div class="verdict {kind}" role="note" aria-label="Verdict">\n'
-        f"<p><strong>{word}</strong> {text(said)}.</p>\n"
+        f'<div class="verdict {"good" if answer.good else "doubt"}" role="note" '
+        'aria-label="Verdict">\n'
+        f'<p class="answer"><strong>{text(first)}.</strong></p>\n'
+        # What the answer has said already is not said again.
+        f"{'' if said.lower() in answer.text.lower() else paragraph(f'{said}.')}\n"
         f"{bullets(reasons[1:]) if len(reasons) > 1 else ''}</div>"
     )
 
@@ -73,7 +76,8 @@ def topology(rec: JudgedReconstruction) -> str:
         ("manifold", YES_NO[found.manifold]),
         ("closed", YES_NO[found.closed]),
         ("orientable", YES_NO[found.orientable]),
-        *([("homeomorphic to", name)] if (name := kind_of(found)) else []),
+        ("the complex is", found.description),
+        *_size(rec),
         ("boundary components", f"{found.boundary_components:,}"),
         ("singular vertices", f"{len(found.singular_vertices):,}"),
     ]
@@ -82,28 +86,11 @@ def topology(rec: JudgedReconstruction) -> str:
     return section("topology", "Topology", rows_table("Topology", rows))
 
 
-def kind_of(found: Topology) -> str:
-    """Name a connected curve or surface that is a manifold; nothing of others."""
-    if not found.manifold or found.components != 1 or found.dim > 2:
-        return ""
-    if found.dim == 1:
-        return "a closed curve" if found.closed else "an arc"
-    holes = found.boundary_components
-    euler = found.euler_characteristic + holes  # with discs sewn in
-    if found.orientable:
-        genus = (2 - euler) // 2
-        shape = {0: "a sphere", 1: "a torus"}.get(genus, f"a surface of genus {genus}")
-    else:
-        caps = 2 - euler
-        shape = {1: "a projective plane", 2: "a Klein bottle"}.get(
-            caps, f"a sphere with {caps} cross-caps"
-        )
-    named = {(True, 2, 1): "a disc", (True, 2, 2): "an annulus"}
-    named |= {(False, 1, 1): "a Möbius band"}
-    if holes == 0:
-        return shape
-    less = f"{shape} less {'a disc' if holes == 1 else f'{holes:,} discs'}"
-    return named.get((found.orientable, euler, holes), less)
+def _size(rec: JudgedReconstruction) -> Iterator[tuple[str, object]]:
+    if rec.vertices is None or len(rec.simplices) == 0:
+        return
+    words = {1: "length", 2: "area", 3: "volume"}
+    yield words.get(rec.dim, f"{rec.dim}-volume"), f"{simplex_volumes(rec).sum():.6g}"
 
 
 def repair(rec: JudgedReconstruction) -> str:
@@ -140,13 +127,15 @@ def repair(rec: JudgedReconstruction) -> str:
     left = found.remaining()
     parts = [rows_table("What repair did", rows)]
     if left:
-        parts.append("<h3>Left to mend</h3>")
+        # Samples that fit nowhere are no lack of the complex.
+        heading = "Left to mend" if found.lacks else "Samples in no simplex"
+        parts.append(f"<h3>{heading}</h3>")
         if len(left) > MOST_PLACES:
             parts.append(
                 paragraph(f"The first {MOST_PLACES} of {len(left):,}.", "faint")
             )
         shown = [(what, _list(place)) for what, place in left[:MOST_PLACES]]
-        parts.append(grid_table("Left to mend", ("what", "vertices"), shown))
+        parts.append(grid_table(heading, ("what", "vertices"), shown))
     else:
         parts.append(paragraph("Nothing is left to mend."))
     return section("repair", "What repair did", *parts)
@@ -307,45 +296,63 @@ def _list(numbers: tuple[int, ...]) -> str:
 
 
 def how(rec: JudgedReconstruction, command: str | None) -> str:
-    """Say how the result was made: timings, parameters, versions, command."""
+    """Say how the result was made: parameters, timings, versions, digests, command."""
+    origin = rec.provenance
     seconds = [(step.replace("_", " "), number(t)) for step, t in rec.timings.items()]
     total = math.fsum(rec.timings.values())
-    parameters: list[tuple[str, object]] = [
-        ("dimension K", rec.dim),
-        ("given as", _given_as(rec)),
-        ("samples", f"{rec.num_samples:,}"),
-        ("method", rec.method),
-        ("estimator of tangent spaces", rec.estimator),
-        ("neighbors per sample", rec.num_neighbors),
-        *([("edges", rec.edge_rule)] if rec.edge_rule else []),
-        ("search", rec.search),
-        *([("recall of the search", f"{rec.recall:.3f}")] if rec.recall < 1 else []),
-    ]
     versions = [
-        ("remanifold", _core.__version__),
-        ("NumPy", np.__version__),
-        ("Python", platform.python_version()),
-        ("platform", platform.platform()),
+        ("remanifold", origin.version),
+        *origin.versions.items(),
+        ("made", origin.created.replace("T", " ")),
     ]
+    digests = [("of the samples", origin.input), ("of the result", rec.digest)]
+    if "sha256" in origin.source:
+        digests.insert(0, (f"of {origin.source['name']}", origin.source["sha256"]))
+    if "columns" in origin.source:
+        versions.append(("of the columns", origin.source["columns"]))
     halves = "\n".join(
         f"<div><h3>{heading}</h3>\n{rows_table(heading, rows)}</div>"
         for heading, rows in (
-            ("Parameters", parameters),
             ("Seconds", [*seconds, ("together", number(total))]),
             ("Versions", versions),
         )
     )
-    run = ""
-    if command is not None:
-        run = f"<h3>Command</h3>\n<pre><code>{text(command)}</code></pre>"
+    recall = f"Recall of the search: {rec.recall:.3f}." if rec.recall < 1 else ""
+    run = command or origin.command or rec.parameters.call()
     return section(
-        "how", "How it was made", f'<div class="columns">\n{halves}\n</div>', run
+        "how",
+        "How it was made",
+        f"<h3>Command</h3>\n<pre><code>{text(run)}</code></pre>",
+        "<h3>Parameters</h3>",
+        grid_table("Parameters", ("name", "value", "why"), rec.parameters.rows()),
+        paragraph(recall) if recall else "",
+        f'<div class="columns">\n{halves}\n</div>',
+        "<h3>Digests</h3>",
+        rows_table("Digests", digests),
     )
 
 
-def _given_as(rec: JudgedReconstruction) -> str:
-    words = rec._source.words
-    return words if rec.ambient_dim is None else f"{words} in R^{rec.ambient_dim}"
+def mesh(rec: JudgedReconstruction) -> str:
+    """Carry the mesh, for a button that hands it out."""
+    if rec.vertices is None or len(rec.simplices) == 0:
+        return ""
+    suffix = suffix_for(rec.dim, rec.vertices.shape[1])
+    fields = rec.fields()
+    data = mesh_bytes(suffix, rec, fitting_fields(f"a{suffix}", fields))
+    if len(data) > MOST_CARRIED:
+        return paragraph(
+            f"The mesh has {len(data) / 1e6:.0f} MB, too much for this page to carry: "
+            f"rec.write() writes it.",
+            "faint",
+        )
+    packed = base64.b64encode(data).decode()
+    return (
+        f'<div class="controls"><button type="button" id="download" '
+        f'data-name="mesh{suffix}">Download the mesh</button>'
+        f'<span class="faint">mesh{suffix}, {len(data) / 1e6:.2g} MB, with values at '
+        "the vertices</span></div>\n"
+        f'<script type="application/octet-stream" id="mesh">{packed}</script>'
+    )
 
 
 def contents() -> Iterator[tuple[str, str]]:

@@ -27,6 +27,7 @@ from remanifold.method.dropping import INVALID, filled, finite_rows, number_as_g
 from remanifold.method.openings import openings_of
 from remanifold.method.options import CHECKS, Options
 from remanifold.method.programs import solve_program
+from remanifold.method.provenance import Parameter, Used, parameters_of, provenance_of
 from remanifold.method.steps import EdgeSets, Stars, warn_of_recall
 from remanifold.results.reconstruction import Reconstruction
 from remanifold.warnings import DimensionWarning, ManifoldWarning
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
 
     from remanifold._base.progress import Callback
     from remanifold._base.samples import Input
+    from remanifold.method.dimension import DimensionEstimate
     from remanifold.method.options import EdgeRule, Estimator, Method, Search
 
     Decisions = Sequence[tuple[NDArray[np.int32], bool]]
@@ -173,9 +175,24 @@ def reconstruct(
     count = len(samples) if rows is None else len(np.asarray(points))
     known = check_fields(attributes, count, "attributes")
     threads = check_num_threads(num_threads)
+    found = None
     if isinstance(dim, str) and dim == "auto":
-        dim = find_dimension(samples, threads, progress)
-    rec = reconstruct_samples(samples, dim, options, threads, progress, rows, count)
+        found = find_dimension(samples, threads, progress)
+        dim = found.dim
+    rec = reconstruct_samples(
+        samples,
+        dim,
+        options,
+        threads,
+        progress,
+        rows,
+        count,
+        found=found,
+        more={
+            "invalid": Parameter(invalid, invalid != "raise"),
+            "attributes": Parameter(", ".join(known) or None, bool(known)),
+        },
+    )
     for name, array in known.items():
         rec.vertex_attributes[name] = array.copy()
         rec.vertex_attributes[name].flags.writeable = False
@@ -190,6 +207,9 @@ def reconstruct_samples(
     progress: bool | Callback | None,
     rows: NDArray[np.int64] | None = None,
     count: int | None = None,
+    *,
+    found: DimensionEstimate | None = None,
+    more: Mapping[str, Parameter] | None = None,
     decisions: Decisions = (),
 ) -> Reconstruction:
     """The same for samples that were checked, or those with some numbers of so many.
@@ -280,6 +300,15 @@ def reconstruct_samples(
             )
     tangents = result["tangents"] if known else None
     frames = tangents if isinstance(tangents, tuple) else None
+    used = Used(
+        dim=k,
+        found=found,
+        num_distinct=len(np.unique(result["representatives"])) - len(invalid),
+        search=result["search"],
+        hole_radius=report.get("hole_radius", float("nan")),
+        smoothing=smoothing,
+        num_threads=threads,
+    )
     rec = Reconstruction(
         vertices=vertices,
         samples=samples.matrix.view() if known else None,
@@ -298,10 +327,13 @@ def reconstruct_samples(
         timings=result["timings"],
         openings=openings_of(result.get("openings", []), k, options.chance),
         significance=0.0 if options.is_paper else options.chance,
+        provenance=provenance_of(
+            samples, parameters_of(options, samples, used, more or {})
+        ),
         _report=report,
         _frames=frames,
         _decisions=tuple(decisions),
-        _again=functools.partial(_reconstruct_again, options, threads),
+        _options=options,
         _products=None if known else samples,
         **paper,
     )
@@ -314,10 +346,10 @@ def reconstruct_samples(
     return rec
 
 
-def _reconstruct_again(
-    options: Options, threads: int, rec: Reconstruction, decisions: Decisions
-) -> Reconstruction:
-    """The same call with other decisions."""
+def _reconstruct_again(rec: Reconstruction, decisions: Decisions) -> Reconstruction:
+    """The same call with other decisions on openings."""
+    options = rec._options
+    assert options is not None
     samples = rec._products
     rows = None
     if rec.samples is not None:
@@ -325,8 +357,21 @@ def _reconstruct_again(
             rows = np.setdiff1d(np.arange(rec.num_samples), rec.invalid)
         samples = Points(rec.samples if rows is None else rec.samples[rows])
     assert samples is not None
+    kept = ("invalid", "attributes")
+    said = "places reopened or closed by hand"
     again = reconstruct_samples(
-        samples, rec.dim, options, threads, None, rows, rec.num_samples, decisions
+        samples,
+        rec.dim,
+        options,
+        check_num_threads(None),
+        None,
+        rows,
+        rec.num_samples,
+        more={
+            **{name: rec.parameters[name] for name in kept if name in rec.parameters},
+            "decisions": Parameter(len(decisions), False, said),
+        },
+        decisions=decisions,
     )
     again.vertex_attributes.update(rec.vertex_attributes)
     return again
@@ -382,3 +427,7 @@ def _finish_report(
             stacklevel=4,
         )
     return report
+
+
+# This module knows that one, and not the other way round.
+Reconstruction._rebuild = staticmethod(_reconstruct_again)

@@ -3,25 +3,32 @@
 
 from __future__ import annotations
 
+import math
+import os
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
 
-import numpy as np
-
+from remanifold._base.files import check_target, complete_file
+from remanifold._base.html import fragment
 from remanifold._base.read_only import ReadOnlyArrays
 from remanifold._base.text import one_line
 from remanifold._base.validation import check_choice, check_int
+from remanifold.complex.topology import simplex_names
 from remanifold.drawing.draw_openings import plot_openings
+from remanifold.drawing.draw_svg import picture
+from remanifold.formats._source import Source
+from remanifold.formats.saved import SUFFIX, read_saved, write_saved
 from remanifold.formats.writing import fitting_fields, write_valid
-from remanifold.judging.judged import QUALITY_FIELDS, JudgedReconstruction
+from remanifold.judging.judged import JudgedReconstruction
 from remanifold.method.openings import Opening
 from remanifold.page.report_page import write_report
 from remanifold.results.simplicial_complex import SimplicialComplex
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from remanifold._base.files import StrPath
     from remanifold.complex.topology import Topology
@@ -78,6 +85,8 @@ class Reconstruction(JudgedReconstruction, SimplicialComplex):
     significance : float
         The chance, over the whole data, up to which a gap counts as an opening; 0 with
         the paper's method.
+    provenance : Provenance
+        Version, parameters as used, digest of the samples, when and from what.
     tangent_simplices : ndarray, shape (N, K+1), int32
         Paper: tangent basis tuples, nearest first; -1 where there is none. This and what
         follows is None with the manifold method.
@@ -92,6 +101,9 @@ class Reconstruction(JudgedReconstruction, SimplicialComplex):
         simplices are.
     """
 
+    # From `reconstruct`: the same call with other decisions on openings.
+    _rebuild: ClassVar[Callable[..., Reconstruction]]
+
     def __post_init__(self) -> None:
         """The arrays come from the core: nothing to check."""
         ReadOnlyArrays.__post_init__(self)
@@ -105,6 +117,68 @@ class Reconstruction(JudgedReconstruction, SimplicialComplex):
             simplices=len(self.simplices),
             method=self.method,
         )
+
+    def _repr_html_(self) -> str:
+        judged = self._is_judged_at_once
+        found = self.topology()
+        names = simplex_names(self.dim)
+        rows: list[tuple[str, object]] = [
+            ("samples", f"{self.num_samples:,}{_in_space(self.ambient_dim)}"),
+            (names[-1], f"{len(self.simplices):,}"),
+            ("Euler characteristic", f"{found.euler_characteristic:,}"),
+        ]
+        if found.counting_settles_homology:
+            rows.append(("Betti numbers", ", ".join(map(str, found.betti_numbers))))
+        rows += [
+            (what, f"{len(which):,}")
+            for what, which in (
+                ("outliers left out", self.outliers),
+                ("not finite, left out", self.invalid),
+                ("attached", self.attached),
+            )
+            if len(which)
+        ]
+        if self.smoothing is not None and self.smoothing.moved:
+            rows.append(("noise smoothed away", f"{self.smoothing.noise:.3g}"))
+        if judged:
+            rows.append(("samples in doubt", f"{int(self.quality.doubtful.sum()):,}"))
+        seconds = math.fsum(self.timings.values())
+        rows.append(("seconds", f"{seconds:.2g}"))
+        note = "" if judged else "rec.quality judges it, in about the same time again."
+        answer = self._answer(judged=judged).text
+        return fragment(answer, rows, picture(self), note)
+
+    def save(self, path: StrPath) -> None:
+        """Write all of the result to a file that `remanifold.load` reads.
+
+        Vertices, simplices, attributes, openings, repair, smoothing, the samples
+        themselves, what has been computed of `quality`, and the `provenance`. Later
+        versions read what earlier ones wrote. The file is an archive of NumPy's arrays
+        and of a tree in JSON: reading it runs nothing.
+
+        Parameters
+        ----------
+        path : path-like
+            File to write, ``.rm.npz``; replaced when the new one is complete.
+
+        Raises
+        ------
+        ValueError
+            Another suffix.
+        OSError
+            The file cannot be written. Nothing is left behind.
+
+        Examples
+        --------
+        >>> import remanifold as rm
+        >>> rec = rm.reconstruct(rm.datasets.circle(50, random_state=0), 1)
+        >>> rec.save("circle.rm.npz")  # doctest: +SKIP
+        >>> rm.load("circle.rm.npz").parameters["dim"].value  # doctest: +SKIP
+        1
+        """
+        target = check_saved(path)
+        with complete_file(target) as file:
+            write_saved(file, self)
 
     def plot_openings(self, screenshot: StrPath | None = None) -> Any:
         """Draw the size of each place in ``openings`` over its evidence.
@@ -207,10 +281,8 @@ class Reconstruction(JudgedReconstruction, SimplicialComplex):
             if opening.kind == "part":
                 msg = "which is a part: its samples are too few for a manifold"
             raise ValueError(msg)
-        assert self._again is not None
         decisions = (*self._decisions, (opening.samples, is_open))
-        rec: Reconstruction = self._again(self, decisions)
-        return rec
+        return type(self)._rebuild(self, decisions)
 
     def report(
         self,
@@ -268,36 +340,65 @@ class Reconstruction(JudgedReconstruction, SimplicialComplex):
                 else fitting_fields(path, all_fields, format)
             )
         if len(self.invalid) and self.vertices is not None:
-            write_valid(path, self.vertices, self.simplices, fields, format=format)
+            write_valid(
+                path,
+                self.vertices,
+                self.simplices,
+                fields,
+                format=format,
+                comment=self.comment,
+            )
         else:
             super().write(path, fields, format=format)
 
-    def fields(self, *, quality: bool | None = None) -> dict[str, NDArray[Any]]:
-        """Values at the vertices, by their names, as files and viewers take them.
 
-        Parameters
-        ----------
-        quality : bool, optional
-            With the arrays of `quality`: by default if it has been computed already.
+def _in_space(ambient_dim: int | None) -> str:
+    return "" if ambient_dim is None else f" in R^{ambient_dim}"
 
-        Returns
-        -------
-        dict of str to ndarray
-            Arrays of shape (N,). `vertex_attributes`; always ``boundary`` and
-            ``outlier``, where samples are `invalid` that too; with `quality`
-            ``spacing``, ``curvature``, ``reach``, ``sampling_ratio``,
-            ``tangent_confidence``, ``disputed``, ``fold``, ``gap`` and ``doubtful``.
-        """
-        outlier = np.zeros(self.num_samples, dtype=np.bool_)
-        outlier[self.outliers] = True
-        # What is known now takes the place of what a file knew of an older result.
-        fields: dict[str, NDArray[Any]] = {
-            **self.vertex_attributes,
-            "boundary": self.boundary,
-            "outlier": outlier,
-        }
-        if quality is None:
-            quality = "quality" in vars(self)
-        if quality:
-            fields |= {name: getattr(self.quality, name) for name in QUALITY_FIELDS}
-        return fields
+
+def check_saved(path: StrPath) -> Path:
+    """Check that a result can be saved under a name, before any work is done for it."""
+    if not os.fspath(path).lower().endswith(SUFFIX):
+        msg = f"{path}: a result is saved as {SUFFIX}; rec.write() is for meshes"
+        raise ValueError(msg)
+    return check_target(path)
+
+
+def load(path: StrPath) -> Reconstruction:
+    """Read a result that `Reconstruction.save` wrote, by this version or an earlier one.
+
+    Parameters
+    ----------
+    path : path-like
+        The file.
+
+    Returns
+    -------
+    Reconstruction
+        Equal to what was saved, array by array. What is computed when asked for is
+        computed anew, except a `quality` that was known.
+
+    Raises
+    ------
+    FileNotFoundError, OSError
+        The file cannot be opened.
+    ValueError
+        It is no saved result, is damaged, does not have the digest that was noted when
+        it was saved, or is of a later format.
+
+    Examples
+    --------
+    >>> import remanifold as rm
+    >>> rec = rm.load("scan.rm.npz")  # doctest: +SKIP
+    >>> print(rec.parameters)  # doctest: +SKIP
+    """
+    source = Source(Path(path), SUFFIX)
+    with source.open() as file:
+        held, cached, said = read_saved(file, source.fail)
+    rec = Reconstruction(**held)
+    vars(rec).update(cached)
+    if rec.digest != said:
+        source.fail(
+            f"was changed: its digest is {rec.digest}, not the {said} noted in it"
+        )
+    return rec

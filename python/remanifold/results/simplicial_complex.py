@@ -9,12 +9,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from remanifold._base.html import fragment
 from remanifold._base.read_only import ReadOnlyArrays
 from remanifold._base.text import one_line
 from remanifold._base.validation import check_cells, check_points
 from remanifold.complex import geodesics, normals, parts, projection
 from remanifold.complex.data import ComplexData
 from remanifold.complex.graphs import edge_graph
+from remanifold.complex.topology import simplex_names
+from remanifold.drawing.draw_svg import picture
 from remanifold.drawing.plotting import plot
 from remanifold.formats import objects
 from remanifold.formats.writing import check_fields, write_complex
@@ -91,6 +94,19 @@ class SimplicialComplex(ComplexData):
             dim=self.dim,
             simplices=len(self.simplices),
         )
+
+    def _repr_html_(self) -> str:
+        found = self.topology()
+        rows: list[tuple[str, object]] = [("vertices", f"{self.num_vertices:,}")]
+        if self.ambient_dim is not None:
+            rows.append(("coordinates", self.ambient_dim))
+        rows.append((simplex_names(self.dim)[-1], f"{len(self.simplices):,}"))
+        rows.append(("Euler characteristic", f"{found.euler_characteristic:,}"))
+        if found.counting_settles_homology:
+            rows.append(("Betti numbers", ", ".join(map(str, found.betti_numbers))))
+        if self.vertex_attributes:
+            rows.append(("attributes", ", ".join(self.vertex_attributes)))
+        return fragment(found.description, rows, picture(self))
 
     @functools.cached_property
     def vertex_normals(self) -> NDArray[np.float64]:

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "chain/cavity_search.hpp"
 #include "chain/relative_signs.hpp"
 #include "complexes.hpp"
 
@@ -60,6 +61,22 @@ TEST(RelativeSigns, OneGroupStaysAsItIs) {
   rims.num_groups = 1;
   const auto signs = detail::relative_signs(detail::whole_cavity(cavities, 0), rims);
   EXPECT_EQ(std::accumulate(signs.begin(), signs.end(), 0), 4);
+}
+
+TEST(RelativeSigns, AFillingHasAnOrientationWhereTheRimIsACycle) {
+  SquareHole hole;
+  const Cavities cavities = hole.find(7);
+  const detail::CavityPart part = detail::whole_cavity(cavities, 0);
+  detail::CavitySearch search(cavities, {});
+  ASSERT_TRUE(search.run(0, 100));
+  ASSERT_EQ(search.chosen().size(), 2U);
+  const std::vector<std::int8_t> cycle = detail::relative_signs(part, apart(0));
+  EXPECT_TRUE(detail::has_orientation(part, cycle, search.chosen()));
+  for (std::size_t f = 0; f < cycle.size(); ++f) {
+    std::vector<std::int8_t> turned = cycle;
+    turned[f] = static_cast<std::int8_t>(-turned[f]);
+    EXPECT_EQ(detail::has_orientation(part, turned, search.chosen()), cycle[f] == 0);
+  }
 }
 
 }  // namespace

@@ -144,6 +144,32 @@ TEST(Neighborhoods, ProductsOfFewDigits) {
   expect_exact_distances(cloud, 20, 1);
 }
 
+// A lattice, where many are equally far, less a part of which all neighbors are gone.
+TEST(Neighborhoods, WhatIsKeptIsWhatWouldBeFound) {
+  Cloud cloud{{}, 3};
+  for (int i = 0; i < 1000; ++i) {
+    cloud.points.insert(cloud.points.end(),
+                        {i % 10 + 0.0, i / 10 % 10 + 0.0, i / 100 + 0.0});
+  }
+  const Samples samples = Samples::from_points(cloud.view());
+  const NeighborSearch search(samples, {SearchMethod::kKdTree});
+  std::vector<Index> left_out;
+  for (Index x = 0; x < samples.size(); ++x) {
+    const double* p = samples.point(x);
+    if (x % 50 == 0 || (p[0] != p[1] && p[2] == samples.point(0)[2])) {
+      left_out.push_back(x);
+    }
+  }
+  const Samples kept = samples.without(left_out);
+  const NeighborSearch again(kept, {SearchMethod::kKdTree});
+  for (const Index known : {12, 20}) {
+    const Neighborhoods found = keep_neighborhoods(
+        find_neighborhoods(samples, search, known), left_out, kept, again, 12);
+    EXPECT_EQ(found.count, 12);
+    EXPECT_EQ(found.indices, find_neighborhoods(kept, again, 12).indices);
+  }
+}
+
 TEST(Neighborhoods, AnyPositionByTheKdTree) {
   const Cloud cloud = testing::gaussian(200, 3, 7);
   const Samples samples = Samples::from_points(cloud.view());

@@ -112,6 +112,21 @@ def test_small_cavities_have_the_least_energy(shape, noise):
     assert num_cavities > 2
 
 
+@pytest.mark.parametrize("noise", [0.5, 1.5])
+@pytest.mark.parametrize("shape", ["torus", "moebius_band", "sphere"])
+def test_a_search_that_minds_orientation_spares_programs(shape, noise):
+    spared = 0
+    for seed in range(4):
+        given = disputes(shape, 300, noise, seed)
+        solved = fill(*given, search_candidates=0, refill=0)
+        searched = fill(*given, search_oriented=True, refill=0)
+        assert energy_of(searched) <= energy_of(solved) * (1 + 1e-6)
+        assert searched["num_programs"] <= solved["num_programs"]
+        spared += searched["num_searched"]
+    # Much noise leaves few cavities, and large ones.
+    assert spared > (10 if noise < 1 else 0)
+
+
 def test_what_signs_leave_open_is_filled_without_them():
     guesses = []
     for seed in range(3):

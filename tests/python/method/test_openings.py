@@ -433,7 +433,7 @@ def test_two_decisions_hold_together():
     assert sum(one.given for one in twice.openings) == 2
 
 
-def test_decisions_by_hand_keep_numbers_and_attributes():
+def test_decisions_by_hand_keep_numbers_and_attributes(tmp_path):
     points = square_with_hole(np.random.default_rng(0), 1500, 40)
     gaps = np.concatenate([np.full((3, 3), np.nan), points])
     rec = reconstruct(gaps, 2, invalid="drop", attributes={"n": np.arange(len(gaps))})
@@ -442,6 +442,10 @@ def test_decisions_by_hand_keep_numbers_and_attributes():
     assert betti(closed) == (1, 0, 0)
     np.testing.assert_array_equal(closed.invalid, [0, 1, 2])
     np.testing.assert_array_equal(closed.vertex_attributes["n"], np.arange(len(gaps)))
+    closed.save(tmp_path / "closed.rm.npz")
+    again = rm.load(tmp_path / "closed.rm.npz")
+    (place,) = (one for one in again.openings if one.given)
+    assert betti(again.reopen(place)) == (1, 1, 0)
     product = reconstruct(gram=points @ points.T, dim=2)
     hole = next(o for o in product.openings if o.decision == "open")
     assert betti(product.close(hole)) == (1, 0, 0)

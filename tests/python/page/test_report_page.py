@@ -105,7 +105,8 @@ def test_pages_are_whole(kind, recs, tmp_path):
     rec = recs[kind]
     page = Page(write(rec, tmp_path).read_text(encoding="utf-8"))
     said = rec.quality.verdict
-    assert any(said[1:] in data for data in page.of("p"))
+    told = page.of("p") + page.of("strong") + page.of("li")
+    assert any(said[1:] in data for data in told)
     topology = rec.topology()
     betti = ", ".join(map(str, topology.betti_numbers))
     assert page.row("Betti numbers over Z2") == betti
@@ -171,24 +172,81 @@ def test_outliers_and_noise(tmp_path):
     assert str(rec.smoothing.num_neighbors) in page.row("smoothed by")
 
 
-@pytest.mark.parametrize(
-    ("shape", "dim", "name"),
-    [
-        ("circle", 1, "a closed curve"),
-        ("sphere", 2, "a sphere"),
-        ("torus", 2, "a torus"),
-        ("double_torus", 2, "a surface of genus 2"),
-        ("klein_bottle", 2, "a Klein bottle"),
-        ("projective_plane", 2, "a projective plane"),
-        ("moebius_band", 2, "a Möbius band"),
-        ("annulus", 2, "an annulus"),
-        ("spherical_cap", 2, "a disc"),
-        ("interlocking_circles", 1, ""),
-    ],
-)
-def test_surfaces_are_named(shape, dim, name):
-    points = getattr(rm.datasets, shape)(900, random_state=0)
-    assert report_parts.kind_of(rm.reconstruct(points, dim).topology()) == name
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_first_line_is_the_answer(kind, recs, tmp_path):
+    rec = recs[kind]
+    content = write(rec, tmp_path).read_text(encoding="utf-8")
+    page = Page(content)
+    answer = f"{rec.answer[:1].upper()}{rec.answer[1:]}."
+    texts = [t for way, t in page.texts if "body" in way]
+    assert texts[1] == answer  # after the title
+    good = "as far as can be told" in answer
+    assert ('class="verdict good"' in content) == good
+    assert good == (rec.quality.ok and not rec.repair.lacks)
+    # A page without doubt has nothing left to mend.
+    assert not good or "Left to mend" not in content
+    assert page.row("the complex is") == rec.topology().description
+    assert "homeomorphic" not in content
+
+
+def test_no_manifold_is_said_first(tmp_path):
+    rec = rm.reconstruct(rm.datasets.crossing_balls(900, random_state=0), 2)
+    page = Page(write(rec, tmp_path).read_text(encoding="utf-8"))
+    assert any(t.startswith("In doubt: no 2-manifold") for t in page.of("strong"))
+
+
+def test_parameters_digests_and_the_call_are_there(recs, tmp_path):
+    for rec in recs.values():
+        page = Page(write(rec, tmp_path).read_text(encoding="utf-8"))
+        cells = page.of("td")
+        for name, value, why in rec.parameters.rows():
+            place = next(
+                i for i, c in enumerate(cells) if c == name and cells[i + 1] == value
+            )
+            assert cells[place + 2] == why
+        assert page.row("of the samples") == rec.provenance.input
+        assert page.row("of the result") == rec.digest
+        assert page.of("code") == [rec.parameters.call()]
+
+
+def test_the_call_makes_the_same(recs):
+    points = rm.datasets.torus(300, random_state=0)
+    made = eval(recs["paper"].parameters.call(), {"rm": rm, "points": points})
+    assert made.digest == recs["paper"].digest
+
+
+def test_the_mesh_is_on_the_page(recs, tmp_path):
+    import base64
+
+    for kind, rec in recs.items():
+        content = write(rec, tmp_path).read_text(encoding="utf-8")
+        found = re.search(r'id="mesh">([^<]*)<', content)
+        if kind == "gram":
+            assert found is None
+            continue
+        name = re.search(r'data-name="([^"]*)"', content)[1]
+        path = tmp_path / name
+        path.write_bytes(base64.b64decode(found[1]))
+        mesh = rm.io.read_complex(path)
+        np.testing.assert_array_equal(mesh.simplices, rec.simplices)
+        np.testing.assert_array_equal(mesh.vertices[:, : rec.ambient_dim], rec.vertices)
+        assert "spacing" in mesh.vertex_attributes
+
+
+def test_meshes_that_are_too_large_are_not(torus, tmp_path, monkeypatch):
+    monkeypatch.setattr(report_parts, "MOST_CARRIED", 10)
+    content = write(torus, tmp_path).read_text(encoding="utf-8")
+    assert 'id="mesh"' not in content
+    assert "too much for this page to carry" in content
+
+
+def test_attributes_are_colors(tmp_path):
+    points = rm.datasets.torus(300, random_state=0)
+    known = {"<b>heat": points[:, 0], "colors": np.ones((300, 3))}
+    rec = rm.reconstruct(points, 2, attributes=known)
+    page = Page(write(rec, tmp_path).read_text(encoding="utf-8"))
+    assert "<b>heat" in page.of("option")
+    assert "colors" not in page.of("option")
 
 
 def test_text_of_the_user_is_text(torus, tmp_path):
@@ -202,7 +260,7 @@ def test_text_of_the_user_is_text(torus, tmp_path):
 
 
 def test_json_cannot_end_its_script():
-    from remanifold.page.html import json_of
+    from remanifold._base.html import json_of
 
     value = {"</script>": "<!--\u2028 & </SCRIPT>"}
     coded = json_of(value)
@@ -388,6 +446,20 @@ def test_pages_open_on_a_phone(kind, browser, recs, tmp_path):
     assert abs(sides - image[0, 5]).max() < 30
 
 
+def test_the_mesh_can_be_downloaded(browser, torus, tmp_path):
+    show(browser, write(torus, tmp_path))
+    folder = tmp_path / "downloads"
+    folder.mkdir()
+    browser.send("Page.setDownloadBehavior", behavior="allow", downloadPath=str(folder))
+    browser.evaluate("document.getElementById('download').click()")
+    browser.wait_for("Number(document.getElementById('download').dataset.bytes) > 0")
+    end = time.monotonic() + 20
+    while not (folder / "mesh.ply").exists() and time.monotonic() < end:
+        time.sleep(0.1)
+    mesh = rm.io.read_complex(folder / "mesh.ply")
+    np.testing.assert_array_equal(mesh.simplices, torus.simplices)
+
+
 def test_the_picture_turns(browser, torus, tmp_path):
     show(browser, write(torus, tmp_path))
     before = pixels(browser)
@@ -407,7 +479,8 @@ def test_colors_can_be_chosen_and_the_camera_stays(browser, sparse, tmp_path):
         "[...document.getElementById('color').options].map(o => o.textContent)"
     )
     assert names == [
-        *("plain", "sampling ratio", "tangent confidence", "shape quality", "in doubt")
+        *("plain", "sampling ratio", "curvature", "tangent confidence"),
+        *("shape quality", "in doubt"),
     ]
 
     def choose_and_wait(index):

@@ -421,7 +421,9 @@ def test_threads_change_no_byte(name):
     assert len(expected) > 10
     for num_threads in (2, 5):
         rec = rm.reconstruct(points, dim, num_threads=num_threads)
-        assert rec.repair.num_programs > 0
+        assert rec.repair.num_cavities > 0
+        # The torus has small cavities only, which are searched.
+        assert rec.repair.num_programs > 0 or name == "torus"
         assert as_bytes(rec) == expected
 
 

@@ -138,3 +138,53 @@ def histogram(title: str, values: NDArray[np.float64], unit: str = "") -> str:
         f'<text x="{width:g}" y="{height + 14:g}" text-anchor="end">'
         f"{text(number(high))}</text></svg></figure>"
     )
+
+
+# Of what stands in a notebook, whose page has a style of its own.
+_STYLE = (
+    ".remanifold{font-size:.95em;max-width:46em}"
+    ".remanifold p{margin:.2em 0}"
+    ".remanifold .answer{font-weight:600}"
+    ".remanifold .parts{display:flex;flex-wrap:wrap;gap:1em;align-items:flex-start}"
+    ".remanifold svg{width:15em;max-width:100%;height:auto}"
+    ".remanifold figure{margin:0}"
+    ".remanifold table{border-collapse:collapse;margin:0}"
+    ".remanifold th,.remanifold td{text-align:left;padding:.1em .6em;font-weight:400}"
+    ".remanifold th{opacity:.7}"
+    ".remanifold .bars{fill:#6f93b8}"
+    ".remanifold .axis,.remanifold .median{stroke:currentColor}"
+    ".remanifold .median{stroke-dasharray:4 3}"
+    ".remanifold text{fill:currentColor;font-size:11px}"
+)
+
+
+def fragment(
+    answer: str, rows: Iterable[tuple[str, object]], picture: str = "", note: str = ""
+) -> str:
+    """Make what a notebook shows of a result: the answer, a picture, figures."""
+    first = answer[:1].upper() + answer[1:]
+    table = rows_table("Figures", rows)
+    return (
+        f'<div class="remanifold"><style>{_STYLE}</style>\n'
+        f'<p class="answer">{text(first)}</p>\n'
+        f'<div class="parts">{picture}\n{table}</div>\n'
+        f"{paragraph(note) if note else ''}</div>"
+    )
+
+
+def shares(title: str, parts: Iterable[tuple[str, int]]) -> str:
+    """Draw numbers as bars of one length scale, each with its name."""
+    known = [*parts]
+    most = max([1, *(number for _, number in known)])
+    width, height = 300.0, 24.0
+    bars = "".join(
+        f'<g class="bars"><rect x="0" y="{i * height + 13:g}" '
+        f'width="{width * number / most:.1f}" height="8"/></g>'
+        f'<text x="0" y="{i * height + 10:g}">{text(f"{name}: {number:,}")}</text>'
+        for i, (name, number) in enumerate(known)
+    )
+    said = ", ".join(f"{name} {number:,}" for name, number in known)
+    return (
+        f'<figure><svg viewBox="0 0 {width:g} {max(1, len(known)) * height:g}" '
+        f'role="img" aria-label="{text(f"{title}: {said}")}">{bars}</svg></figure>'
+    )
