@@ -4,15 +4,16 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
 
 from remanifold import _core
 from remanifold._base.read_only import ReadOnlyArrays
 from remanifold._base.text import one_line, rounded
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
 
@@ -29,12 +30,8 @@ class Opening(ReadOnlyArrays):
     decision : {"open", "closed", "left out"}
         Whether simplices go through it. "left out": the samples of the part are in no
         simplex.
-    given : bool
-        Whether `Reconstruction.reopen` or `close` decided so.
     samples : ndarray of int32
         Those on its rim and inside, ascending.
-    simplices : ndarray, shape (M, K+1), int32
-        Those that go through it, or did before they were taken out.
     radius : float
         Of the ball of dimension K that is as large, in the units of the samples; half
         the length of a gap.
@@ -55,13 +52,15 @@ class Opening(ReadOnlyArrays):
     hole_radius : float
         `hole_radius` of `reconstruct`, in local scales, up to which a round hole of this
         volume is open.
+    given : bool
+        Whether `Reconstruction.reopen` or `close` decided so.
+    simplices : ndarray, shape (M, K+1), int32
+        Those that go through it, or did before they were taken out.
     """
 
     kind: Literal["gap", "hole", "joint", "part"]
     decision: Literal["open", "closed", "left out"]
-    given: bool
     samples: NDArray[np.int32]
-    simplices: NDArray[np.int32]
     radius: float
     spacing: float
     missing: float
@@ -69,6 +68,11 @@ class Opening(ReadOnlyArrays):
     expected: float
     significance: float
     hole_radius: float
+    # Files of earlier versions have none of these.
+    given: bool = False
+    simplices: NDArray[np.int32] = field(
+        default_factory=lambda: np.empty((0, 0), dtype=np.int32)
+    )
 
     @property
     def flips_at(self) -> float:

@@ -73,9 +73,6 @@ class Repair(ReadOnlyArrays):
         Samples that coincide with one of lower index and were merged with it.
     hole_radius : float
         Manifold method: radius of the smallest round hole left open, in local scales.
-    hole_size : float
-        Manifold method: the same in the units of the samples, where the local scale is
-        the median of all.
     num_agreed : int
         Manifold method: star simplices that are in the stars of all their vertices.
     disputed_simplices : ndarray, shape (P, K+1), int32
@@ -92,6 +89,9 @@ class Repair(ReadOnlyArrays):
         candidates that the largest of all chose from.
     num_unsolved : int
         Programs without a solution within the solver's limits.
+    hole_size : float
+        Manifold method: the same in the units of the samples, where the local scale is
+        the median of all.
     """
 
     method: str
@@ -105,7 +105,6 @@ class Repair(ReadOnlyArrays):
     unused_vertices: NDArray[np.int32]
     merged_samples: int
     hole_radius: float
-    hole_size: float
     num_agreed: int
     disputed_simplices: NDArray[np.int32]
     filled_simplices: NDArray[np.int32]
@@ -116,6 +115,7 @@ class Repair(ReadOnlyArrays):
     num_integer_programs: int
     largest_program: int
     num_unsolved: int
+    hole_size: float = float("nan")  # files of earlier versions have none
 
     def __repr__(self) -> str:
         manifold = self.method == "manifold"

@@ -281,6 +281,9 @@ class Reconstruction(JudgedReconstruction, SimplicialComplex):
             if opening.kind == "part":
                 msg = "which is a part: its samples are too few for a manifold"
             raise ValueError(msg)
+        if self._options is None:
+            msg = "this result was saved by an earlier version: reconstruct again"
+            raise ValueError(msg)
         decisions = (*self._decisions, (opening.samples, is_open))
         return type(self)._rebuild(self, decisions)
 
