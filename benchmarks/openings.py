@@ -428,7 +428,8 @@ def _rolled(rng: Any, gap: float, kind: str) -> Family:
     slit = min(gap * spacing, np.pi)
     flat = _plane(rng, num, kind, 2 / (2 * np.pi - slit))
     angle, height = flat[:, 0] * (2 * np.pi - slit), flat[:, 1] * (2 * np.pi - slit)
-    missing = slit * 2 / spacing**2
+    # Edges of two spacings are common: nothing shows a narrower slit, however long.
+    missing = slit * 2 / spacing**2 if gap >= 2 else 0.0
     return Family(
         "rolled sheet",
         2,

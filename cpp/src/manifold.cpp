@@ -189,6 +189,19 @@ Reconstruction reconstruct(const Samples& given, const ReconstructOptions& optio
   if (manifold.boundary == BoundaryRule::kGiven) {
     manifold.boundary_samples = flags_to_canonical(samples, manifold.boundary_samples);
   }
+  for (OpeningDecision& decision : manifold.decisions) {
+    std::vector<std::uint8_t> flags(samples.input_size(), 0);
+    for (const Index v : decision.samples) {
+      flags.at(v) = 1;
+    }
+    flags = flags_to_canonical(samples, flags);
+    decision.samples.clear();
+    for (Index v = 0; v < samples.size(); ++v) {
+      if (flags[v] != 0) {
+        decision.samples.push_back(v);
+      }
+    }
+  }
   steps.regions.edge_sets = {};  // the stars are all that is needed
   detail::begin_step(execution, Step::kComplex, 0);
   ManifoldComplex complex =
@@ -210,8 +223,11 @@ Reconstruction reconstruct(const Samples& given, const ReconstructOptions& optio
        {&report.singular, &report.inserted, &report.cut_vertices, &report.outliers}) {
     *vertices = to_input(samples, std::move(*vertices));
   }
+  report.hole_size *= samples.scale();
   for (Opening& opening : report.openings) {
     opening.samples = to_input(samples, std::move(opening.samples));
+    opening.simplices.arity = dim + 1;
+    opening.simplices = to_input(samples, opening.simplices, {});
     opening.volume *= std::pow(samples.scale(), dim);
     opening.spacing *= samples.scale();
   }

@@ -2,6 +2,7 @@
 // What Python has to know and the core decides: words of the options, numbers of the method.
 #include "options.hpp"
 #include "remanifold/constants.hpp"
+#include "remanifold/openings.hpp"
 
 namespace remanifold::python {
 
@@ -21,6 +22,7 @@ void bind_constants(py::module_& module) {
   module.def("paper_neighbors", &paper_neighbors, py::arg("dim"));
   module.def("scale_neighbors", &scale_neighbors, py::arg("dim"));
   module.attr("SIGNIFICANCE") = kSignificance;
+  module.def("opening_decay", &opening_decay, py::arg("dim"));
   module.def("hole_radius_share", &hole_radius_share, py::arg("dim"));
 }
 

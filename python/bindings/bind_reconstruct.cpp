@@ -8,6 +8,7 @@
 
 #include <optional>
 #include <utility>
+#include <vector>
 
 namespace remanifold::python {
 namespace {
@@ -40,7 +41,8 @@ py::list openings_of(std::vector<Opening>&& openings) {
     py::dict one;
     one["kind"] = name_of(kOpeningKinds, opening.kind);
     one["open"] = opening.open;
-    one["num_simplices"] = opening.num_simplices;
+    one["given"] = opening.given;
+    one["simplices"] = to_numpy(std::move(opening.simplices));
     one["volume"] = opening.volume;
     one["spacing"] = opening.spacing;
     one["missing"] = opening.missing;
@@ -53,6 +55,9 @@ py::list openings_of(std::vector<Opening>&& openings) {
   return out;
 }
 
+/// Samples, ascending, and whether the place that they surround is open.
+using Decision = std::pair<std::vector<Index>, bool>;
+
 /// None stands for the default of the method.
 ReconstructOptions make_options(int dim, Index num_neighbors,
                                 const std::optional<std::string>& estimator,
@@ -61,7 +66,8 @@ ReconstructOptions make_options(int dim, Index num_neighbors,
                                 double hole_radius, double significance,
                                 std::optional<double> outlier_distance, bool smooth,
                                 Index smoothing_neighbors, bool only_noise,
-                                const std::string& search, int checks) {
+                                const std::string& search, int checks,
+                                const std::vector<Decision>& decisions) {
   ReconstructOptions options;
   options.dim = dim;
   options.num_neighbors = num_neighbors;
@@ -81,6 +87,9 @@ ReconstructOptions make_options(int dim, Index num_neighbors,
   options.smoothing.num_neighbors = smoothing_neighbors;
   options.smoothing.only_noise = only_noise;
   options.search = search_options(search, checks);
+  for (const auto& [samples, open] : decisions) {
+    options.manifold.decisions.push_back({samples, open});
+  }
   return options;
 }
 
@@ -189,6 +198,7 @@ py::dict manifold(const Input& input, const ReconstructOptions& given,
   repair["cut_vertices"] = to_numpy(std::move(report.cut_vertices));
   repair["unused_vertices"] = to_numpy(std::move(report.outliers));
   repair["hole_radius"] = report.hole_radius;
+  repair["hole_size"] = report.hole_size;
   out["openings"] = openings_of(std::move(report.openings));
   repair["num_agreed"] = report.agreed;
   repair["num_cavities"] = report.cavities;
@@ -220,7 +230,8 @@ void bind_reconstruct(py::module_& module) {
            arg("smoothing_neighbors") = defaults.smoothing.num_neighbors,
            arg("only_noise") = defaults.smoothing.only_noise,
            arg("search") = name_of(kSearches, defaults.search.method),
-           arg("checks") = defaults.search.checks);
+           arg("checks") = defaults.search.checks,
+           arg("decisions") = std::vector<Decision>{});
   module.def("clean", &clean_samples, arg("samples"), arg("options"), py::kw_only(),
              arg("num_threads"), arg("progress"));
   module.def("reconstruct", &manifold, arg("samples"), arg("options"), py::kw_only(),

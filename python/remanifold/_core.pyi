@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, Protocol, TypeAlias
 
 import numpy as np
@@ -39,6 +39,7 @@ SCALE_WORDS: str
 def jet_neighbors(dim: int) -> int: ...
 def paper_neighbors(dim: int) -> int: ...
 def scale_neighbors(dim: int) -> int: ...
+def opening_decay(dim: int) -> float: ...
 def hole_radius_share(dim: int) -> float: ...
 
 class _Samples(Protocol):
@@ -65,6 +66,7 @@ class Options:
         only_noise: bool = ...,
         search: str = ...,
         checks: int = ...,
+        decisions: Sequence[tuple[Sequence[int] | NDArray[np.int32], bool]] = ...,
     ) -> None: ...
 
 def neighborhoods(

@@ -162,7 +162,7 @@ def test_arrays_of_the_report_have_their_shapes(dim, method):
             assert (np.diff(array) > 0).all(), name
         elif len(array):
             assert_rows_ascend(array)
-    kinds = {"method": str, "hole_radius": float}
+    kinds = {"method": str, "hole_radius": float, "hole_size": float}
     for name, value in vars(report).items():
         if name not in arrays:
             assert type(value) is kinds.get(name, int), name

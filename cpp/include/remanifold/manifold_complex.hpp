@@ -38,6 +38,8 @@ struct ManifoldOptions {
   /// are opened as well, up to K = kMaxOpeningDim: the chance of one false opening in the
   /// whole data.
   double significance = kSignificance;
+  /// By hand; they hold whatever rule decides on the rest.
+  std::vector<OpeningDecision> decisions;
   /// Agreed simplices with a circumradius up to this times h are fixed, and with a boundary
   /// up to hole_share times hole_radius: long holes have a smaller circumradius than round
   /// ones of the same price.
@@ -56,6 +58,7 @@ struct ManifoldOptions {
 
 struct ManifoldReport {
   double hole_radius = 0;    ///< as used
+  double hole_size = 0;      ///< the same where the local scale is the median of all
   SimplexArray disputed;     ///< star simplices not in the stars of all their vertices
   SimplexArray filled;       ///< simplices of the result that were not fixed
   SimplexArray open_facets;  ///< (K-1)-faces with one coface

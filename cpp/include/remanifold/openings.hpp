@@ -21,10 +21,11 @@ enum class OpeningKind {
 struct Opening {
   OpeningKind kind = OpeningKind::kHole;
   bool open = false;           ///< no simplices bridge it; of a part: it was left out
+  bool given = false;          ///< decided by an OpeningDecision
   std::vector<Index> samples;  ///< of its simplices, ascending
-  Offset num_simplices = 0;
-  double volume = 0;   ///< of its simplices
-  double spacing = 0;  ///< K-th root of the volume per sample around
+  SimplexArray simplices;      ///< that went through it before any were taken out
+  double volume = 0;           ///< of its simplices
+  double spacing = 0;          ///< K-th root of the volume per sample around
   /// Samples that its volume would hold beyond those that it has.
   double missing = 0;
   /// Of the volumes around, over that among independent samples: below 1 where the samples
@@ -37,7 +38,18 @@ struct Opening {
   double significance() const;
 };
 
+/// What was decided on a place by hand: one whose samples are more than half of these, and
+/// these more than half of its.
+struct OpeningDecision {
+  std::vector<Index> samples;  ///< ascending
+  bool open = false;
+};
+
 /// The largest K that there is a test for: for others nothing is found.
 constexpr int kMaxOpeningDim = 3;
+
+/// How much each missing sample lowers the logarithm of Opening::expected, up to
+/// kMaxOpeningDim.
+double opening_decay(int dim);
 
 }  // namespace remanifold

@@ -83,6 +83,12 @@ class ManifoldBuilder {
           std::min(options_.fixed_radius, options_.hole_share * options_.hole_radius);
     }
     result_.report.hole_radius = options_.hole_radius;
+    std::vector<double> scales = scales_;
+    if (!scales.empty()) {
+      const auto middle = scales.begin() + static_cast<Offset>(scales.size() / 2);
+      std::nth_element(scales.begin(), middle, scales.end());
+      result_.report.hole_size = options_.hole_radius * *middle;
+    }
   }
 
   ManifoldComplex run() {
@@ -383,10 +389,10 @@ class ManifoldBuilder {
   /// What was opened by evidence stays open where it is wider than gaps of even samples.
   double price_of(const Index* facet) {
     const double size = ruler_.facet_size(facet, dim_);
-    if (options_.boundary == BoundaryRule::kAuto) {
-      const bool opened =
-          !opened_.empty() &&
-          std::all_of(facet, facet + dim_, [&](Index v) { return opened_[v] != 0; });
+    const bool opened =
+        !opened_.empty() &&
+        std::all_of(facet, facet + dim_, [&](Index v) { return opened_[v] != 0; });
+    if (opened || options_.boundary == BoundaryRule::kAuto) {
       return size *
              open_price(dim_, opened ? std::min(kEvenHoleRadius, options_.hole_radius)
                                      : options_.hole_radius);
@@ -514,7 +520,8 @@ class ManifoldBuilder {
   bool open_by_evidence() {
     detail::WeighedOpenings found = detail::weigh_openings(
         samples_, neighborhoods_, scales_, result_.simplices,
-        {by_evidence_ ? options_.significance : 0, kMostExpected}, execution_);
+        {by_evidence_ ? options_.significance : 0, kMostExpected, options_.decisions},
+        execution_);
     list_openings(std::move(found.openings));
     keep_certain(found.bridges);
     if (found.bridges.empty()) {

@@ -21,6 +21,8 @@ struct OpeningLevels {
   double significance = 0;
   /// Openings of which more than so many are to be expected are not listed.
   double most_expected = 1;
+  /// Whatever the evidence is.
+  std::vector<OpeningDecision> decisions = {};
 };
 
 struct WeighedOpenings {

@@ -103,7 +103,7 @@ class OpeningFinder {
       execution_.poll();
       weigh(cluster);
     }
-    if (dim_ == 1 && levels_.significance > 0) {
+    if (dim_ == 1 && (levels_.significance > 0 || !levels_.decisions.empty())) {
       find_joints();
     }
     std::sort(found_.openings.begin(), found_.openings.end(),
@@ -311,7 +311,7 @@ class OpeningFinder {
     if (whole.expected > levels_.most_expected) {
       return;
     }
-    whole.open = whole.significance() <= levels_.significance;
+    decide(whole, whole.significance() <= levels_.significance);
     if (whole.open && dim_ > 1) {
       open_parts(cluster, measured, std::move(whole));
       return;
@@ -320,6 +320,23 @@ class OpeningFinder {
       add_bridge(cluster);
     }
     found_.openings.push_back(std::move(whole));
+  }
+
+  /// By what was given, or by the evidence.
+  void decide(Opening& opening, bool evident) const {
+    opening.open = evident;
+    for (const OpeningDecision& decision : levels_.decisions) {
+      std::size_t common = 0;
+      for (const Index v : opening.samples) {
+        common +=
+            std::binary_search(decision.samples.begin(), decision.samples.end(), v) ? 1
+                                                                                    : 0;
+      }
+      if (2 * common > std::max(opening.samples.size(), decision.samples.size())) {
+        opening.open = decision.open;
+        opening.given = true;
+      }
+    }
   }
 
   /// Simplices around a cluster.
@@ -332,7 +349,7 @@ class OpeningFinder {
   Opening weighed(const std::vector<Offset>& cluster, const Ring& ring) const {
     Opening opening;
     opening.kind = dim_ == 1 ? OpeningKind::kGap : OpeningKind::kHole;
-    opening.num_simplices = static_cast<Offset>(cluster.size());
+    opening.simplices = detail::select_rows(simplices_, cluster);
     for (const Offset s : cluster) {
       opening.volume += ruler_.measure(simplices_[s], arity_).volume;
       opening.samples.insert(opening.samples.end(), simplices_[s],
@@ -399,9 +416,9 @@ class OpeningFinder {
       Opening opening = weighed(part, ring);
       const double ways = chance_.rim_choices * growth_of_rim(part) /
                           std::pow(opening.spacing, dim_ - 1);
-      opening.open =
-          opening.significance() <= levels_.significance ||
-          std::exp(ways) * opening.expected <= samples_.size() * chance_.rate;
+      decide(opening,
+             opening.significance() <= levels_.significance ||
+                 std::exp(ways) * opening.expected <= samples_.size() * chance_.rate);
       if (opening.open) {
         core.insert(core.end(), part.begin(), part.end());
       } else if (opening.expected <= levels_.most_expected) {
@@ -409,8 +426,12 @@ class OpeningFinder {
       }
     }
     Opening opening = weighed(core, ring);
-    opening.open = true;
-    found_.bridges.insert(found_.bridges.end(), core.begin(), core.end());
+    opening.expected = std::min(opening.expected, whole.expected);
+    decide(opening, true);
+    opening.given = opening.given || whole.given;
+    if (opening.open) {
+      found_.bridges.insert(found_.bridges.end(), core.begin(), core.end());
+    }
     found_.openings.push_back(std::move(opening));
   }
 
@@ -591,9 +612,9 @@ class OpeningFinder {
       }
       Opening joint;
       joint.kind = OpeningKind::kJoint;
-      joint.open = length > kOpenJoint * mean;
       joint.samples = {a, b};
-      joint.num_simplices = 1;
+      joint.simplices = {2, {a, b}};
+      decide(joint, length > kOpenJoint * mean && levels_.significance > 0);
       joint.volume = length;
       joint.spacing = mean;
       joint.missing = length / mean - 1;
@@ -656,6 +677,8 @@ class OpeningFinder {
 };
 
 }  // namespace
+
+double opening_decay(int dim) { return kChances.at(dim - 1).decay; }
 
 double Opening::significance() const { return -std::expm1(-expected); }
 

@@ -243,6 +243,7 @@ def _report(rec: rm.Reconstruction) -> dict[str, Any]:
         "unused_samples": len(repair.unused_vertices),
         "coface_counts": {str(n): f for n, f in topology.coface_counts.items()},
         "hole_radius": repair.hole_radius if manifold else None,
+        "hole_size": repair.hole_size if manifold else None,
         "significance": rec.significance if manifold else None,
         "openings": [_opening(one) for one in rec.openings] if manifold else None,
         "agreed_simplices": repair.num_agreed if manifold else None,
@@ -279,6 +280,7 @@ def _opening(opening: rm.Opening) -> dict[str, Any]:
         "spacing": opening.spacing,
         "missing_samples": opening.missing,
         "significance": opening.significance,
+        "hole_radius": opening.hole_radius,
         "samples": opening.samples.tolist(),
     }
 
@@ -297,7 +299,7 @@ def _openings_text(openings: list[dict[str, Any]]) -> str:
         one = weighed[0]
         lines.append(
             f"closest: a {one['kind']} of {2 * one['radius'] / one['spacing']:.1f} "
-            f"spacings at sample {one['samples'][0]:,}, {one['decision']}, "
+            f"spacings ({2 * one['radius']:.3g}) at sample {one['samples'][0]:,}, {one['decision']}, "
             f"significance {one['significance']:.2g}"
         )
     return "\n".join(lines)
@@ -407,7 +409,10 @@ def _table(report: dict[str, Any]) -> Table:
         **(
             {}
             if report["hole_radius"] is None
-            else {"hole radius": f"{report['hole_radius']:.3g}"}
+            else {
+                "hole radius": f"{report['hole_radius']:.3g} local scales, "
+                f"{report['hole_size']:.3g}"
+            }
         ),
         **(
             {"openings": _openings_text(report["openings"])}

@@ -24,6 +24,7 @@ from remanifold.judging.judged import JudgedReconstruction
 from remanifold.judging.quality import Quality, Reason
 from remanifold.method.cleaning import Smoothing
 from remanifold.method.openings import Opening
+from remanifold.method.options import Options
 from remanifold.method.provenance import Parameter, Parameters, Provenance
 from remanifold.method.result import ReconstructionData
 from remanifold.method.steps import EdgeSets, Stars
@@ -43,7 +44,7 @@ _EPOCH = (1980, 1, 1, 0, 0, 0)  # for the same bytes from the same result
 _CLASSES: dict[str, type] = {
     kind.__name__: kind
     for kind in (
-        *(EdgeSets, Opening, Parameter, Parameters, Provenance),
+        *(EdgeSets, Opening, Options, Parameter, Parameters, Provenance),
         *(Quality, Reason, Smoothing, Stars, *INPUTS),
     )
 }
@@ -185,6 +186,9 @@ def read_saved(
     held = {name: value for name, value in held.items() if name in known}
     cached = {name: value for name, value in cached.items() if name in _CACHED}
     held["openings"] = tuple(held.get("openings", ()))
+    held["_decisions"] = tuple(
+        (place, is_open) for place, is_open in held.get("_decisions", ())
+    )
     if held.get("_frames") is not None:
         held["_frames"] = tuple(held["_frames"])
     _check_numbers(held, fail)

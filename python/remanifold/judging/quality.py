@@ -15,6 +15,7 @@ from remanifold._base.html import fragment, histogram
 from remanifold._base.read_only import ReadOnlyArrays
 from remanifold._base.samples import Points
 from remanifold._base.text import two_digits
+from remanifold.complex.topology import topology_of
 from remanifold.judging.singularities import singularities_of
 from remanifold.method.dimension import other_dimension
 
@@ -272,7 +273,13 @@ FEW = 20_000  # samples among which crossings are looked for without a sign
 LONG_EDGE = 1.2  # spacings
 MOST_LONG_EDGES = 50  # that are looked at
 CROSSING = 0.5  # distance of a sample from the middle over half the length
+MOST_OPENED = 10  # closed places that are taken out to see what that does
 SURE = 0.1  # of the significance, below which an opening is beyond doubt
+# What has one peak and is symmetric has a kurtosis of 9/5 at least: that of even noise
+# within limits. Two layers have 1. Known up to so many standard errors.
+LEAST_KURTOSIS = 1.8
+TWO_LAYERS_ERRORS = 3.0
+NO_NOISE = 1e-3  # chance that normal noise moves any sample so far
 LEAST_GAPS = 30  # samples from which the evenness is judged
 MUCH_LEFT = 0.15  # of the spacing: noise that makes samples propose other simplices
 ENOUGH = 1.0  # spacing over reach that is asked for when recommending
@@ -489,6 +496,7 @@ def _signs(found: _Findings) -> Iterator[_Sign]:
         yield from _gaps(found)
         yield from _openings(found)
         yield from _close_decisions(found)
+        yield from _necks(found)
         yield from _parts(found)
         yield from _disputes(found)
         yield from _sparsity(found)
@@ -518,9 +526,10 @@ _NOWHERE = np.empty(0, dtype=np.int64)
 def _noise_signs(
     rec: ReconstructionData, found: _Findings, doubted: bool
 ) -> Iterator[_Sign]:
-    """Noise that drowns the shape, or that explains what is doubted."""
+    """Noise that drowns the shape, that is none, or that explains what is doubted."""
     smoothing, moved = rec.smoothing, rec.smoothing is not None and rec.smoothing.moved
     if moved and smoothing is not None:
+        yield from _no_noise(rec)
         noise, rest = smoothing.noise, smoothing.remaining_error
         if smoothing.drowned:
             yield _Sign(
@@ -561,6 +570,42 @@ def _noise_signs(
                 _NOWHERE,
                 kind="noise",
             )
+
+
+def _no_noise(rec: ReconstructionData) -> Iterator[_Sign]:
+    """What smoothing took for noise though noise does not lie like that."""
+    assert rec.smoothing is not None
+    residuals = rec.residuals
+    kept = np.ones(rec.num_samples, dtype=bool)
+    kept[rec.left_out] = False
+    if residuals is None or rec.ambient_dim is None or not rec.smoothing.noise > 0:
+        return
+    squares = (residuals[kept] / rec.smoothing.noise) ** 2
+    normals = max(1, rec.ambient_dim - rec.dim)
+    mean = float(squares.mean()) if len(squares) else 0.0
+    if normals == 1 and mean > 0:
+        kurtosis = float((squares**2).mean()) / mean**2
+        error = float((squares**2).std()) / mean**2 / math.sqrt(len(squares))
+        if kurtosis + TWO_LAYERS_ERRORS * error < LEAST_KURTOSIS:
+            yield _Sign(
+                True,
+                "smoothing has joined two layers: no noise about one leaves so few "
+                "samples in the middle; smooth=False keeps them apart",
+                np.flatnonzero(kept).astype(np.int64),
+            )
+    # Squares of normal noise over all normal directions are above this with a chance of
+    # e^-x each (Laurent and Massart, 2000).
+    x = math.log(max(len(squares), 1) / NO_NOISE)
+    most = (normals + 2 * math.sqrt(normals * x) + 2 * x) / normals
+    far = np.flatnonzero(kept)[squares > most]
+    if len(far):
+        yield _Sign(
+            True,
+            f"smoothing moved {_count(len(far), 'sample')} by more than noise explains, "
+            f"up to {math.sqrt(float(squares.max())):.1f} times as far as the others: "
+            "another part of the manifold is near, or it bends or ends there",
+            far.astype(np.int64),
+        )
 
 
 def _too_few(found: _Findings) -> Iterator[_Sign]:
@@ -807,21 +852,93 @@ def _samples_of(openings: list[Opening]) -> NDArray[np.int64]:
     return np.unique(samples).astype(np.int64)
 
 
+def _matters(found: _Findings, opening: Opening) -> bool:
+    """Whether the topology is another one without what goes through a closed place."""
+    rows = np.sort(found.simplices, axis=1)
+    near = np.flatnonzero(np.isin(rows, opening.samples).all(axis=1))
+    own = {*map(tuple, opening.simplices.tolist())}
+    through = np.zeros(len(rows), dtype=bool)
+    through[near] = [tuple(row) in own for row in rows[near].tolist()]
+    return not through.any() or _changes(found, rows[~through])
+
+
+def _changes(found: _Findings, fewer: NDArray[np.int32]) -> bool:
+    """Whether the topology is another one with fewer simplices.
+
+    It is not where they were taken away from a rim: the rim moves.
+    """
+    kinds = [
+        (one.components, one.euler_characteristic, one.boundary_components)
+        for one in (found.topology, topology_of(fewer, len(found.own)))
+    ]
+    return kinds[0] != kinds[1]
+
+
+def _necks(found: _Findings) -> Iterator[_Sign]:
+    """Triangles that have no sample inside the surface and join what is apart else.
+
+    A neck or band as narrow cannot be told from a bridge between two rims.
+    """
+    if found.dim != 2 or len(found.repair.open_faces) == 0:
+        return
+    rows = np.sort(found.simplices, axis=1)
+    on_rim = np.zeros(len(found.own), dtype=bool)
+    on_rim[found.repair.open_faces] = True
+    thin = np.flatnonzero(on_rim[rows].all(axis=1))
+    if len(thin) == 0 or len(thin) == len(rows):
+        return
+    groups = _core.face_sets(rows[thin])
+    count = int(groups.max()) + 1
+    chosen = [thin[groups == group] for group in range(min(count, MOST_OPENED))]
+    if count > MOST_OPENED:
+        chosen = [thin]
+    necks = [rows[one] for one in chosen if _changes(found, np.delete(rows, one, 0))]
+    if necks:
+        samples = np.unique(np.concatenate(necks)).astype(np.int64)
+        yield _Sign(
+            True,
+            f"{_count(len(necks), 'neck')} without a sample inside: what it joins may "
+            "be apart; more samples there would tell",
+            samples,
+        )
+
+
+def _needed(found: _Findings, opening: Opening) -> str:
+    """How many samples more or less missing would decide otherwise."""
+    if not 0 < found.significance < 1 or not opening.expected > 0:
+        return ""
+    asked = -math.log1p(-found.significance)
+    decay = _core.opening_decay(found.dim)
+    count = opening.dispersion * abs(math.log(opening.expected / asked)) / decay
+    more = "more" if opening.decision == "closed" else "fewer"
+    return (
+        f", as it is with {_count(max(1, math.ceil(count)), 'sample')} {more} missing"
+    )
+
+
 def _close_decisions(found: _Findings) -> Iterator[_Sign]:
     """Gaps that chance leaves now and then, and openings that it could have left."""
     wide = [
         opening
         for opening in found.openings
         if opening.decision == "closed"
+        and not opening.given
         and opening.significance <= found.limits.rare_gap
     ]
+    # The least likely first; among many the rest counts without a look.
+    wide.sort(key=lambda opening: opening.significance)
+    wide = [
+        opening
+        for number, opening in enumerate(wide)
+        if number >= MOST_OPENED or _matters(found, opening)
+    ]
     if wide:
-        widest = min(wide, key=lambda opening: opening.significance)
+        widest = wide[0]
         yield _Sign(
             True,
             f"{_described(widest)} was closed, but chance leaves one as large in "
             f"{widest.significance:.2g} of such data: from significance="
-            f"{widest.significance:.2g} on it is open",
+            f"{widest.significance:.2g} on it is open{_needed(found, widest)}",
             _samples_of(wide),
         )
     near = [
@@ -829,6 +946,7 @@ def _close_decisions(found: _Findings) -> Iterator[_Sign]:
         for opening in found.openings
         if opening.decision == "open"
         and opening.kind in ("gap", "hole")
+        and not opening.given
         and not found.is_sure(opening)
     ]
     if near:
@@ -836,7 +954,7 @@ def _close_decisions(found: _Findings) -> Iterator[_Sign]:
         yield _Sign(
             True,
             f"{_described(least)} was left open, but below significance="
-            f"{least.significance:.2g} it is closed",
+            f"{least.significance:.2g} it is closed{_needed(found, least)}",
             _samples_of(near),
         )
 

@@ -4,15 +4,16 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
 
 from remanifold import _core
 from remanifold._base.read_only import ReadOnlyArrays
 from remanifold._base.text import one_line, rounded
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
 
@@ -51,6 +52,10 @@ class Opening(ReadOnlyArrays):
     hole_radius : float
         `hole_radius` of `reconstruct`, in local scales, up to which a round hole of this
         volume is open.
+    given : bool
+        Whether `Reconstruction.reopen` or `close` decided so.
+    simplices : ndarray, shape (M, K+1), int32
+        Those that go through it, or did before they were taken out.
     """
 
     kind: Literal["gap", "hole", "joint", "part"]
@@ -63,6 +68,21 @@ class Opening(ReadOnlyArrays):
     expected: float
     significance: float
     hole_radius: float
+    # Files of earlier versions have none of these.
+    given: bool = False
+    simplices: NDArray[np.int32] = field(
+        default_factory=lambda: np.empty((0, 0), dtype=np.int32)
+    )
+
+    @property
+    def flips_at(self) -> float:
+        """The `significance` of `reconstruct` at which the decision becomes the other one.
+
+        From there on the place is open, below it is closed. NaN where that does not
+        decide: for joints, for parts and for what is `given`.
+        """
+        weighed = self.kind in ("gap", "hole") and not self.given
+        return self.significance if weighed else math.nan
 
     def __repr__(self) -> str:
         return one_line(
@@ -95,7 +115,9 @@ def openings_of(
             Opening(
                 kind=one["kind"],
                 decision=decision,
+                given=one["given"],
                 samples=one["samples"],
+                simplices=one["simplices"],
                 radius=radius,
                 spacing=one["spacing"],
                 missing=one["missing"],

@@ -22,6 +22,8 @@ from remanifold._base.validation import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import ArrayLike, NDArray
 
     from remanifold._base.samples import Input
@@ -152,7 +154,12 @@ class Options:
             return self
         return replace(self, boundary=mask[rows])
 
-    def for_core(self, samples: Input, dim: int) -> _core.Options:
+    def for_core(
+        self,
+        samples: Input,
+        dim: int,
+        decisions: Sequence[tuple[NDArray[np.int32], bool]] = (),
+    ) -> _core.Options:
         """All of it in the words of the core."""
         rule, mask = self.boundary_rule(len(samples))
         smooth, neighbors, only_noise = check_smooth(self.smoothing_of(samples), dim)
@@ -172,4 +179,5 @@ class Options:
             only_noise=only_noise,
             search=self.search,
             checks=int(self.checks),
+            decisions=decisions,
         )

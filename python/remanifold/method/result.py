@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from remanifold.method.cleaning import Smoothing
     from remanifold.method.openings import Opening
+    from remanifold.method.options import Options
     from remanifold.method.provenance import Parameters, Provenance
     from remanifold.method.steps import EdgeSets, Stars
 
@@ -49,8 +50,8 @@ class Repair(ReadOnlyArrays):
         (K-1)-faces in one simplex only.
     num_boundary_components : int
         Connected sets of open faces that count as boundary. Manifold method: all with
-        ``boundary="auto"``, those within the mask with a mask, none with
-        ``boundary=False``. Paper: those with a vertex that is a boundary sample or has
+        ``boundary="auto"``, those of which most faces are within the mask with a mask,
+        none with ``boundary=False``. Paper: those with a vertex that is a boundary sample or has
         one in its edge set.
     num_holes : int
         The other connected sets of open faces.
@@ -92,6 +93,9 @@ class Repair(ReadOnlyArrays):
         candidates that the largest of all chose from.
     num_unsolved : int
         Programs without a solution within the solver's limits.
+    hole_size : float
+        Manifold method: the same in the units of the samples, where the local scale is
+        the median of all.
     """
 
     method: str
@@ -115,7 +119,8 @@ class Repair(ReadOnlyArrays):
     num_integer_programs: int
     largest_program: int
     num_unsolved: int
-    # With a default: files of results that were saved before have none.
+    # With defaults: files of results that were saved before have none.
+    hole_size: float = float("nan")
     cut_vertices: NDArray[np.int32] = field(
         default_factory=lambda: np.empty(0, dtype=np.int32)
     )
@@ -236,6 +241,9 @@ class ReconstructionData(ComplexData):
     )
     _report: dict[str, Any] = field(default_factory=dict)
     _frames: tuple[NDArray[np.float64], NDArray[np.int32], float] | None = None
+    # What was decided by hand: samples of each place, and whether it is open.
+    _decisions: tuple[tuple[NDArray[np.int32], bool], ...] = ()
+    _options: Options | None = None
 
     @property
     def parameters(self) -> Parameters:
@@ -326,6 +334,7 @@ class ReconstructionData(ComplexData):
             unused_vertices=np.flatnonzero(own & ~used).astype(np.int32),
             merged_samples=merged,
             hole_radius=float("nan"),
+            hole_size=float("nan"),
             num_agreed=0,
             disputed_simplices=no_simplices,
             filled_simplices=no_simplices,

@@ -112,6 +112,7 @@ def repair(rec: JudgedReconstruction) -> str:
             ("samples put back", f"{len(found.inserted_vertices):,}"),
             ("samples with simplices taken out", f"{len(found.cut_vertices):,}"),
             ("hole radius, in local scales", number(found.hole_radius)),
+            ("hole radius, in the data's units", number(found.hole_size)),
         ]
     else:
         rows.append((f"{simplices} in no star", f"{len(found.unstarred_simplices):,}"))
@@ -156,7 +157,7 @@ def openings(rec: JudgedReconstruction) -> str:
     rows = [
         (
             opening.kind,
-            opening.decision,
+            opening.decision + (", as told" if opening.given else ""),
             number(opening.radius) if opening.kind != "part" else "",
             number(opening.radius / opening.spacing)
             if opening.kind != "part" and opening.spacing > 0

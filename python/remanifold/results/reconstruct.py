@@ -33,7 +33,7 @@ from remanifold.results.reconstruction import Reconstruction
 from remanifold.warnings import DimensionWarning, ManifoldWarning
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
     from typing import Literal
 
     from numpy.typing import ArrayLike, NDArray
@@ -42,6 +42,8 @@ if TYPE_CHECKING:
     from remanifold._base.samples import Input
     from remanifold.method.dimension import DimensionEstimate
     from remanifold.method.options import EdgeRule, Estimator, Method, Search
+
+    Decisions = Sequence[tuple[NDArray[np.int32], bool]]
 
 
 def reconstruct(
@@ -208,13 +210,24 @@ def reconstruct_samples(
     *,
     found: DimensionEstimate | None = None,
     more: Mapping[str, Parameter] | None = None,
+    decisions: Decisions = (),
 ) -> Reconstruction:
-    """The same for samples that were checked, or those with some numbers of so many."""
+    """The same for samples that were checked, or those with some numbers of so many.
+
+    Decisions on openings hold whatever the options say.
+    """
     k = check_dim(dim, samples)
     smooths = options.smoothing_of(samples) is not False
     given = as_points(samples) if smooths else samples
     total = len(samples) if count is None else count
-    choices = options.of_rows(rows, total).for_core(samples, k)
+    decided = [
+        (
+            place if rows is None else np.searchsorted(rows, place).astype(np.int32),
+            is_open,
+        )
+        for place, is_open in decisions
+    ]
+    choices = options.of_rows(rows, total).for_core(samples, k, decided)
     result: dict[str, Any]
     with progress_callback(progress) as callback:
         if options.is_paper:
@@ -272,7 +285,12 @@ def reconstruct_samples(
             "edge_rule": options.edge_rule,
         }
     else:
-        report = _finish_report(result["repair"], k, *options.boundary_rule(total))
+        rule, mask = options.boundary_rule(total)
+        reopened = np.zeros(total, dtype=bool)
+        for one in result["openings"]:
+            if one["given"] and one["open"]:
+                reopened[one["samples"]] = True
+        report = _finish_report(result["repair"], k, rule, mask, reopened)
         if len(result["simplices"]) == 0:
             warnings.warn(
                 f"no {k}-dimensional simplices: the samples span too little, or are too "
@@ -314,6 +332,8 @@ def reconstruct_samples(
         ),
         _report=report,
         _frames=frames,
+        _decisions=tuple(decisions),
+        _options=options,
         _products=None if known else samples,
         **paper,
     )
@@ -326,13 +346,48 @@ def reconstruct_samples(
     return rec
 
 
+def _reconstruct_again(rec: Reconstruction, decisions: Decisions) -> Reconstruction:
+    """The same call with other decisions on openings."""
+    options = rec._options
+    assert options is not None
+    samples = rec._products
+    rows = None
+    if rec.samples is not None:
+        if len(rec.invalid):
+            rows = np.setdiff1d(np.arange(rec.num_samples), rec.invalid)
+        samples = Points(rec.samples if rows is None else rec.samples[rows])
+    assert samples is not None
+    kept = ("invalid", "attributes")
+    said = "places reopened or closed by hand"
+    again = reconstruct_samples(
+        samples,
+        rec.dim,
+        options,
+        check_num_threads(None),
+        None,
+        rows,
+        rec.num_samples,
+        more={
+            **{name: rec.parameters[name] for name in kept if name in rec.parameters},
+            "decisions": Parameter(len(decisions), False, said),
+        },
+        decisions=decisions,
+    )
+    again.vertex_attributes.update(rec.vertex_attributes)
+    return again
+
+
 def _warn_of_dimension(dim: int, fitting: int) -> None:
     """While there is time to stop; not from the thread of the caller."""
     warnings.warn(other_dimension(dim, fitting), DimensionWarning, stacklevel=1)
 
 
 def _finish_report(
-    report: dict[str, Any], dim: int, rule: str, mask: NDArray[np.bool_]
+    report: dict[str, Any],
+    dim: int,
+    rule: str,
+    mask: NDArray[np.bool_],
+    reopened: NDArray[np.bool_],
 ) -> dict[str, Any]:
     """Sort the open faces into boundary and holes, and warn of what is no manifold."""
     sets = _core.face_sets(report["open_faces"])
@@ -340,8 +395,14 @@ def _finish_report(
     marked = np.full(len(sets), rule == "auto")
     if rule == "given":
         marked = mask[report["open_faces"]].all(axis=1)
-    in_hole = np.isin(sets, sets[~marked])
-    holes = len(np.unique(sets[~marked]))
+    marked |= reopened[report["open_faces"]].all(axis=1)
+    # Samples may lie beyond the marked ones next to them: a rim is one by most of it.
+    unmarked = np.bincount(sets, ~marked) > np.bincount(sets) / 2
+    in_hole = unmarked[sets]
+    holes = int(np.count_nonzero(unmarked))
+    beyond = np.unique(report["open_faces"][~marked & ~in_hole])
+    if rule == "given":
+        beyond = beyond[~mask[beyond]]
     report |= {
         "num_boundary_components": count - holes,
         "num_holes": holes,
@@ -354,6 +415,7 @@ def _finish_report(
             (len(report["callous_faces"]), "faces in more than two simplices"),
             (len(report["singular_vertices"]), "vertices without a proper link"),
             (holes, "holes where boundary= asks for none"),
+            (len(beyond), "samples on rims that boundary= does not mark"),
             (report["num_unsolved"], "cavities without a solution"),
         )
         if number
@@ -365,3 +427,7 @@ def _finish_report(
             stacklevel=4,
         )
     return report
+
+
+# This module knows that one, and not the other way round.
+Reconstruction._rebuild = staticmethod(_reconstruct_again)

@@ -7,13 +7,13 @@ import math
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from remanifold._base.files import check_target, complete_file
 from remanifold._base.html import fragment
 from remanifold._base.read_only import ReadOnlyArrays
 from remanifold._base.text import one_line
-from remanifold._base.validation import check_choice
+from remanifold._base.validation import check_choice, check_int
 from remanifold.complex.topology import simplex_names
 from remanifold.drawing.draw_openings import plot_openings
 from remanifold.drawing.draw_svg import picture
@@ -21,15 +21,17 @@ from remanifold.formats._source import Source
 from remanifold.formats.saved import SUFFIX, read_saved, write_saved
 from remanifold.formats.writing import fitting_fields, write_valid
 from remanifold.judging.judged import JudgedReconstruction
+from remanifold.method.openings import Opening
 from remanifold.page.report_page import write_report
 from remanifold.results.simplicial_complex import SimplicialComplex
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from numpy.typing import ArrayLike
 
     from remanifold._base.files import StrPath
+    from remanifold.complex.topology import Topology
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -98,6 +100,9 @@ class Reconstruction(JudgedReconstruction, SimplicialComplex):
         Paper: which edges count. `edges` are those of the graph whose cliques the
         simplices are.
     """
+
+    # From `reconstruct`: the same call with other decisions on openings.
+    _rebuild: ClassVar[Callable[..., Reconstruction]]
 
     def __post_init__(self) -> None:
         """The arrays come from the core: nothing to check."""
@@ -190,6 +195,97 @@ class Reconstruction(JudgedReconstruction, SimplicialComplex):
         matplotlib.figure.Figure
         """
         return plot_openings(self.openings, self.significance, screenshot)
+
+    def reopen(self, which: int | Opening) -> Reconstruction:
+        """The reconstruction with one closed place of ``openings`` left open.
+
+        Everything else is decided as before, and earlier calls of `reopen` and `close`
+        hold. Runs again from the samples: it takes as long as the reconstruction did.
+
+        Parameters
+        ----------
+        which : int or Opening
+            One of ``openings``, or its index.
+
+        Returns
+        -------
+        Reconstruction
+            A new one; the opening in it is `given`.
+
+        Raises
+        ------
+        ValueError
+            It is open, or a part that was left out, or none of these openings.
+        """
+        return self._decide(which, True)
+
+    def close(self, which: int | Opening) -> Reconstruction:
+        """The reconstruction with one open place of ``openings`` closed; see `reopen`.
+
+        Parameters
+        ----------
+        which : int or Opening
+            One of ``openings``, or its index.
+
+        Returns
+        -------
+        Reconstruction
+            A new one; the opening in it is `given`.
+
+        Raises
+        ------
+        ValueError
+            It is closed, or a part that was left out, or none of these openings.
+        """
+        return self._decide(which, False)
+
+    def if_flipped(self, which: int | Opening) -> Topology:
+        """What the topology would be if one of ``openings`` were decided otherwise.
+
+        Takes as long as the reconstruction did: see `reopen`.
+
+        Parameters
+        ----------
+        which : int or Opening
+            One of ``openings``, or its index.
+
+        Returns
+        -------
+        Topology
+
+        Raises
+        ------
+        ValueError
+            It is a part that was left out, or none of these openings.
+        """
+        opening = self._opening(which)
+        return self._decide(opening, opening.decision == "closed").topology()
+
+    def _opening(self, which: int | Opening) -> Opening:
+        if isinstance(which, Opening):
+            if not any(which is one for one in self.openings):
+                msg = "which is none of the openings of this reconstruction"
+                raise ValueError(msg)
+            return which
+        index = check_int(which, "which", minimum=0)
+        if index >= len(self.openings):
+            msg = f"which is {index}, but there are {len(self.openings)} openings"
+            raise ValueError(msg)
+        return self.openings[index]
+
+    def _decide(self, which: int | Opening, is_open: bool) -> Reconstruction:
+        opening = self._opening(which)
+        decided = "open" if is_open else "closed"
+        if opening.decision in (decided, "left out"):
+            msg = f"which is a {opening.kind} that is {opening.decision} already"
+            if opening.kind == "part":
+                msg = "which is a part: its samples are too few for a manifold"
+            raise ValueError(msg)
+        if self._options is None:
+            msg = "this result was saved by an earlier version: reconstruct again"
+            raise ValueError(msg)
+        decisions = (*self._decisions, (opening.samples, is_open))
+        return type(self)._rebuild(self, decisions)
 
     def report(
         self,

@@ -46,7 +46,7 @@ struct Given {
   WeighedOpenings weigh(double significance, int threads = 1) const {
     Execution execution;
     execution.num_threads = threads;
-    return weigh_openings(samples, near, scales, simplices, {significance, 1.0},
+    return weigh_openings(samples, near, scales, simplices, {significance, 1.0, {}},
                           execution);
   }
 };
@@ -123,7 +123,7 @@ TEST(Openings, AGapHasItsMissingSamples) {
   const Opening& opening = found.openings.front();
   EXPECT_EQ(opening.kind, OpeningKind::kGap);
   EXPECT_TRUE(opening.open);
-  EXPECT_EQ(opening.num_simplices, 1);
+  EXPECT_EQ(opening.simplices.size(), 1);
   ASSERT_EQ(opening.samples.size(), 2U);
   EXPECT_NEAR(opening.volume, 2 * std::sin(gap / 2), 0.1);
   EXPECT_NEAR(opening.missing, gap / (2 * 3.14159 - gap) * 400, 25);

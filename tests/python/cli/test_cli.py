@@ -30,26 +30,16 @@ KEYS = {
     *("outliers", "smoothing"),
     *("open_faces", "callous_faces", "holes", "boundary_components"),
     *("singular_vertices", "sampling", "seconds", "warnings"),
-    *("boundary", "hole_radius", "agreed_simplices", "disputed_simplices"),
-    *(
-        "filled_simplices",
-        "inserted_samples",
-        "cut_samples",
-        "significance",
-        "openings",
-    ),
+    *("boundary", "hole_radius", "hole_size", "agreed_simplices", "disputed_simplices"),
+    *("filled_simplices", "inserted_samples", "cut_samples"),
+    *("significance", "openings"),
     "unstarred_simplices",
 }
 PAPER_ONLY = {"edges", "unstarred_simplices"}
 MANIFOLD_ONLY = {
-    *("boundary", "hole_radius", "agreed_simplices", "disputed_simplices"),
-    *(
-        "filled_simplices",
-        "inserted_samples",
-        "cut_samples",
-        "significance",
-        "openings",
-    ),
+    *("boundary", "hole_radius", "hole_size", "agreed_simplices", "disputed_simplices"),
+    *("filled_simplices", "inserted_samples", "cut_samples"),
+    *("significance", "openings"),
 }
 
 

@@ -366,6 +366,39 @@ def test_noise_is_no_reason():
     assert smoothed.quality.ok, str(smoothed.quality)
 
 
+def two_segments(rng, spacings, noise=0.0):
+    points = np.c_[rng.random(400), np.zeros(400)]
+    points[::2, 1] = spacings / 200
+    return points + noise / 200 * rng.normal(size=points.shape)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_layers_that_smoothing_joins_are_told(seed):
+    rec = reconstruct(two_segments(np.random.default_rng(seed), 3.0), 1)
+    assert rec.smoothing.moved
+    assert rec.topology().components == 1
+    assert "joined two layers" in str(rec.quality)
+    assert not rec.quality.ok
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_noise_of_one_layer_is_none_of_two(seed):
+    moves = np.random.default_rng(seed).normal(0, 0.01, size=1000)
+    rec = reconstruct(datasets.circle(1000, random_state=0) * (1 + moves)[:, None], 1)
+    assert rec.smoothing.moved
+    assert "smoothing" not in str(rec.quality)
+
+
+def test_samples_moved_beyond_noise_are_told():
+    """At their ends the two are within each other's neighborhoods."""
+    rec = reconstruct(two_segments(np.random.default_rng(1), 18.0, 0.2), 1)
+    assert rec.smoothing.moved
+    (reason,) = (r for r in rec.quality.reasons if "moved" in r.text)
+    assert not rec.quality.ok
+    ends = np.abs(rec.samples[reason.samples, 0] - 0.5)
+    assert ends.min() > 0.35
+
+
 def test_the_chance_of_gaps_is_that_of_a_poisson_process():
     special = pytest.importorskip("scipy.special")
     gaps = np.array([0.0, 0.5, 1.0, 2.0])

@@ -49,8 +49,8 @@ def cap(rng):
     return points[points[:, 2] > -0.3][:100]
 
 
-def moebius_band(rng):
-    u, v = rng.random(150) * 2 * np.pi, rng.random(150) * 0.8 - 0.4
+def moebius_band(rng, num=150):
+    u, v = rng.random(num) * 2 * np.pi, rng.random(num) * 0.8 - 0.4
     radius = 1 + v * np.cos(u / 2)
     return np.c_[radius * np.cos(u), radius * np.sin(u), v * np.sin(u / 2)]
 
@@ -296,6 +296,190 @@ def test_openings_are_read_only_and_pickled():
     with pytest.raises(AttributeError):
         one.decision = "closed"
     assert repr(pickle.loads(pickle.dumps(rec)).openings) == repr(rec.openings)
+
+
+@pytest.mark.parametrize("seed", [6, 8, 9])
+def test_a_bridge_between_rims_is_doubted(seed):
+    rec = reconstruct(moebius_band(np.random.default_rng(seed), 100), 2)
+    assert betti(rec) == (1, 1, 0) or "neck" in str(rec.quality)
+
+
+@pytest.mark.parametrize("build", [band, moebius_band, rolled_sheet])
+def test_a_band_of_some_spacings_is_no_neck(build):
+    rec = reconstruct(build(np.random.default_rng(0)), 2)
+    assert "neck" not in str(rec.quality)
+
+
+# --- Rims that are known ------------------------------------------------------------
+
+
+def with_rims(inside, *rims):
+    """Samples in space, and flags of those on the rims."""
+    points = np.concatenate([inside, *rims])
+    marked = np.arange(len(points)) >= len(inside)
+    return np.pad(points, [(0, 0), (0, 1)]), marked
+
+
+def star_shaped_disc(rng):
+    angle = np.arange(200) / 200 * 2 * np.pi
+    edge = 1 + 0.3 * np.cos(5 * angle)
+    points = rng.uniform(-1.3, 1.3, size=(3000, 2))
+    own = 1 + 0.3 * np.cos(5 * np.arctan2(points[:, 1], points[:, 0]))
+    points = points[np.linalg.norm(points, axis=1) < own - 0.05]
+    return *with_rims(points, np.c_[edge * np.cos(angle), edge * np.sin(angle)]), 1
+
+
+def annulus(rng):
+    points = rng.uniform(-1, 1, size=(1700, 2))
+    radius = np.linalg.norm(points, axis=1)
+    circles = []
+    for size, num in ((1.0, 160), (0.4, 70)):
+        angle = np.arange(num) / num * 2 * np.pi
+        circles.append(size * np.c_[np.cos(angle), np.sin(angle)])
+    inside = points[(radius < 0.995) & (radius > 0.4)]
+    return *with_rims(inside, *circles), 2
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("build", [star_shaped_disc, annulus])
+def test_marked_rims_are_the_only_ones(build, seed):
+    points, marked, rims = build(np.random.default_rng(seed))
+    rec = rm.reconstruct(points, 2, boundary=marked)
+    assert betti(rec) == (1, rims - 1, 0)
+    assert rec.topology().boundary_components == rims
+    assert not (rec.boundary & ~marked).any()
+    assert rec.repair.num_boundary_components == rims
+    assert rec.repair.num_holes == 0
+
+
+@pytest.mark.parametrize("radius", [0.25, 0.5])
+def test_a_hole_that_is_not_marked_is_closed_and_listed(radius):
+    points = np.random.default_rng(0).uniform(-1, 1, size=(3000, 2))
+    points = points[np.linalg.norm(points, axis=1) > radius]
+    marked = np.abs(points).max(axis=1) > 0.92
+    rec = reconstruct(np.pad(points, [(0, 0), (0, 1)]), 2, boundary=marked)
+    assert betti(rec) == (1, 0, 0)
+    assert not (rec.boundary & ~marked).any()
+    least = min(rec.openings, key=lambda one: one.significance)
+    assert least.decision == "closed"
+    assert least.significance < 1e-9
+    assert least.radius == pytest.approx(radius, rel=0.25)
+
+
+def test_samples_beyond_the_marked_ones_are_told():
+    points, marked, _ = star_shaped_disc(np.random.default_rng(0))
+    beyond = np.array([[1.31, 0.02, 0.0]])
+    with pytest.warns(rm.ManifoldWarning, match="1 samples on rims"):
+        rec = rm.reconstruct(
+            np.concatenate([points, beyond]), 2, boundary=np.append(marked, False)
+        )
+    assert rec.repair.num_boundary_components == 1
+    assert rec.repair.num_holes == 0
+
+
+# --- Decisions changed by hand -----------------------------------------------------
+
+
+def test_an_opening_is_closed_and_reopened():
+    points = square_with_hole(np.random.default_rng(0), 1500, 40)
+    rec = reconstruct(points, 2)
+    (hole,) = (one for one in rec.openings if one.decision == "open")
+    whole = rec.close(hole)
+    assert betti(rec) == (1, 1, 0)
+    assert betti(whole) == (1, 0, 0)
+    assert rec.if_flipped(hole).betti_numbers == (1, 0, 0)
+    (closed,) = (one for one in whole.openings if one.given)
+    assert closed.decision == "closed"
+    assert closed.missing == pytest.approx(hole.missing, rel=0.3)
+    again = whole.reopen(closed)
+    np.testing.assert_array_equal(again.simplices, rec.simplices)
+    # All simplices of a place are in the complex, or none is.
+    for one in (rec, whole, again):
+        rows = {*map(tuple, np.sort(one.simplices, axis=1).tolist())}
+        for place in one.openings:
+            through = [tuple(simplex) in rows for simplex in place.simplices.tolist()]
+            assert place.decision == ("closed" if all(through) else "open")
+
+
+def test_a_gap_that_was_closed_is_opened():
+    rec = reconstruct(datasets.circle(300, random_state=4), 1)
+    index = next(i for i, one in enumerate(rec.openings) if one.kind == "gap")
+    assert rec.openings[index].decision == "closed"
+    cut = rec.reopen(index)
+    assert betti(rec) == (1, 1)
+    assert betti(cut) == (1, 0)
+    assert rec.if_flipped(index).betti_numbers == (1, 0)
+    assert len(cut.simplices) == len(rec.simplices) - 1
+
+
+def test_what_is_closed_by_another_rule_is_opened_by_hand():
+    points = cap(np.random.default_rng(0))
+    for options in ({"boundary": False}, {"hole_radius": 4.0}, {"significance": 0.0}):
+        rec = reconstruct(points, 2, smooth=False, **options)
+        assert betti(rec) == (1, 0, 1)
+        least = min(rec.openings, key=lambda one: one.significance)
+        assert betti(rec.reopen(least)) == (1, 0, 0)
+
+
+def test_two_decisions_hold_together():
+    points = square_with_hole(np.random.default_rng(0), 3000, 40)
+    points = points[np.linalg.norm(points[:, :2] - 0.6, axis=1) > 0.13]
+    rec = reconstruct(points, 2)
+    assert betti(rec) == (1, 2, 0)
+    once = rec.close(next(o for o in rec.openings if o.decision == "open"))
+    assert betti(once) == (1, 1, 0)
+    twice = once.close(next(o for o in once.openings if o.decision == "open"))
+    assert betti(twice) == (1, 0, 0)
+    assert sum(one.given for one in twice.openings) == 2
+
+
+def test_decisions_by_hand_keep_numbers_and_attributes(tmp_path):
+    points = square_with_hole(np.random.default_rng(0), 1500, 40)
+    gaps = np.concatenate([np.full((3, 3), np.nan), points])
+    rec = reconstruct(gaps, 2, invalid="drop", attributes={"n": np.arange(len(gaps))})
+    rec = pickle.loads(pickle.dumps(rec))
+    closed = rec.close(next(o for o in rec.openings if o.decision == "open"))
+    assert betti(closed) == (1, 0, 0)
+    np.testing.assert_array_equal(closed.invalid, [0, 1, 2])
+    np.testing.assert_array_equal(closed.vertex_attributes["n"], np.arange(len(gaps)))
+    closed.save(tmp_path / "closed.rm.npz")
+    again = rm.load(tmp_path / "closed.rm.npz")
+    (place,) = (one for one in again.openings if one.given)
+    assert betti(again.reopen(place)) == (1, 1, 0)
+    product = reconstruct(gram=points @ points.T, dim=2)
+    hole = next(o for o in product.openings if o.decision == "open")
+    assert betti(product.close(hole)) == (1, 0, 0)
+
+
+def test_what_cannot_be_decided_by_hand_is_refused():
+    rec = reconstruct(square_with_hole(np.random.default_rng(0), 1500, 40), 2)
+    hole = next(one for one in rec.openings if one.decision == "open")
+    with pytest.raises(ValueError, match="which is a hole that is open already"):
+        rec.reopen(hole)
+    with pytest.raises(ValueError, match="which is 99, but there are"):
+        rec.close(99)
+    with pytest.raises(TypeError, match="which"):
+        rec.close("hole")
+    other = reconstruct(cap(np.random.default_rng(0)), 2)
+    with pytest.raises(ValueError, match="none of the openings"):
+        rec.close(other.openings[0])
+    step = 2 * np.pi / 400
+    angles = np.arange(400) * step
+    clump = 0.3 * step * np.random.default_rng(0).normal(size=(5, 2)) + [3, 0]
+    parts = reconstruct(
+        np.concatenate([np.c_[np.cos(angles), np.sin(angles)], clump]), 1, smooth=False
+    )
+    for part in (one for one in parts.openings if one.kind == "part"):
+        with pytest.raises(ValueError, match="which is a part"):
+            parts.reopen(part)
+        assert np.isnan(part.flips_at)
+
+
+def test_the_flip_is_at_the_significance_of_what_was_weighed():
+    rec = reconstruct(square_with_hole(np.random.default_rng(0), 3000, 25), 2)
+    for one in rec.openings:
+        assert one.flips_at == one.significance
+        assert (one.decision == "open") == (one.flips_at <= rec.significance)
 
 
 # --- Where it is shown --------------------------------------------------------------
