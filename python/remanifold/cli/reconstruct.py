@@ -326,7 +326,6 @@ def _complaints(report: dict[str, Any], warned: bool) -> list[str]:
     if report["method"] == "paper":
         unused += f" ({report['boundary_samples']:,} have no tangent space)"
     found = [
-        (report["outliers"], "{} samples are outliers and were left out"),
         (report["unused_samples"], unused),
         *([] if warned else _defects(report, faces, simplices)),
     ]

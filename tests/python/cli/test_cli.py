@@ -206,7 +206,9 @@ def test_json_of_the_manifold_method(tmp_path):
     assert report["merged_samples"] == 2
     for key in ("open_faces", "holes", "boundary_components", "singular_vertices"):
         assert report[key] == 0, key
-    assert report["warnings"] == ["1 samples are outliers and were left out"]
+    assert report["warnings"] == [
+        "1 sample is an outlier and was left out; --outliers keep keeps all"
+    ]
 
 
 def test_boundary_and_hole_radius(tmp_path):
