@@ -171,6 +171,14 @@ class SimplicialComplex(ComplexData):
         """Mesh of meshio; see `interoperability.to_meshio`."""
         return objects.to_meshio(self, fields)
 
+    def to_open3d(self, fields: Mapping[str, ArrayLike] | None = None) -> Any:
+        """Line set or mesh of Open3D; see `interoperability.to_open3d`."""
+        return objects.to_open3d(self, fields)
+
+    def to_scipy(self) -> objects.Matrices:
+        """Adjacency and boundary operators; see `interoperability.to_scipy`."""
+        return objects.to_scipy(self)
+
     def to_networkx(self) -> Any:
         """Graph of NetworkX, with lengths; see `interoperability.to_networkx`."""
         return objects.to_networkx(self)
