@@ -164,3 +164,8 @@ def from_gudhi(tree: Any, vertices: ArrayLike) -> SimplicialComplex:
     """
     points = np.asarray(vertices, dtype=np.float64)
     return SimplicialComplex(points, objects.arrays_of_gudhi(tree))
+
+
+def __dir__() -> list[str]:
+    """Public names only."""
+    return sorted({*__all__, *(name for name in globals() if name.startswith("__"))})

@@ -48,3 +48,8 @@ class DroppedWarning(RemanifoldWarning):
 
 class TransposedWarning(RemanifoldWarning):
     """The array looks as if its rows were its columns."""
+
+
+def __dir__() -> list[str]:
+    """Public names only."""
+    return sorted({*__all__, *(name for name in globals() if name.startswith("__"))})

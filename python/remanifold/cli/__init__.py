@@ -27,7 +27,7 @@ from remanifold.cli import (
     report,
     view,
 )
-from remanifold.cli._common import examples
+from remanifold.cli._common import examples, renamed
 
 __all__ = ["app", "main"]
 
@@ -64,6 +64,7 @@ def _version(wanted: bool) -> None:
 
 @app.callback()
 def _root(
+    context: typer.Context,
     _: Annotated[
         bool,
         typer.Option(
@@ -71,7 +72,8 @@ def _root(
         ),
     ] = False,
 ) -> None:
-    pass
+    if any(word.partition("=")[0] == "--threads" for word in context.args):
+        renamed("--threads", "--num-threads")
 
 
 for module, command in (

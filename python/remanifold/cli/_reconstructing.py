@@ -104,7 +104,7 @@ def reconstruct_file(
     # The command line judges in any case, and what the file looked like is said.
     said = (rm.DoubtWarning, *((rm.TransposedWarning,) if guesses else ()))
     complaints = [
-        str(w.message).replace("outliers=False", "--outliers keep")
+        str(w.message).replace("outliers=False", "--outliers no")
         for w in caught
         if not issubclass(w.category, said)
     ]

@@ -53,7 +53,7 @@ if TYPE_CHECKING:
 
 def reconstruct(
     points: ArrayLike | None = None,
-    dim: int | str | None = None,
+    dim: int | Literal["auto"] | None = None,
     *,
     method: Method = "manifold",
     boundary: Literal["auto", False] | ArrayLike = "auto",

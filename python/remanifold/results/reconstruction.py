@@ -26,6 +26,7 @@ from remanifold.results.simplicial_complex import SimplicialComplex
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+    from typing import Literal
 
     from numpy.typing import ArrayLike
 
@@ -209,7 +210,7 @@ class Reconstruction(JudgedReconstruction, SimplicialComplex):
     def write(
         self,
         path: StrPath,
-        fields: str | Mapping[str, ArrayLike] | None = "auto",
+        fields: Literal["auto", "all"] | Mapping[str, ArrayLike] | None = "auto",
         *,
         format: str | None = None,
     ) -> None:
