@@ -19,7 +19,7 @@ from typer.testing import CliRunner
 import remanifold as rm
 from remanifold import cli
 from remanifold.io import read_points, write_mesh
-from remanifold.method.options import METHODS
+from remanifold.method.options import CHECKS, METHODS
 
 KEYS = {
     *("input", "output", "method", "estimator", "edges", "search", "num_neighbors"),
@@ -345,7 +345,7 @@ def test_options_reach_the_library(tori, tmp_path, monkeypatch):
         == 0
     )
     options = ("--boundary", "no", "--hole-radius", 2.5, "--significance", 0.01)
-    options += ("--outliers", "keep", "--smooth", "yes")
+    options += ("--outliers", "no", "--smooth", "yes")
     assert run(tori, "--dim", 2, "-o", output, *options).exit_code == 0
     defaults = {
         "method": "manifold",
@@ -439,15 +439,16 @@ def test_version_and_help():
         assert option in result.stdout
     shown = " ".join(result.stdout.split())
     assert "[manifold|paper]" in shown
-    assert "[auto|closed]" in shown
+    assert "[auto|no]" in shown
     assert re.findall(r"\[default: \(?(.*?)\)?[;\]]", shown) == [
         *("manifold", "auto", "by how evenly the samples lie", "0.001"),
-        *("auto, or keep for paper", "auto, or no for paper"),
+        *("auto, or no for paper", "auto, or no for paper"),
         *(
             "3 K (K + 3) / 2, or 10 K for paper",
             "jet, or enclosure for paper",
             "mutual",
             "auto",
+            str(CHECKS),
             "auto",
             "by their names, else guessed, which is said",
             "by the suffix",
@@ -492,7 +493,7 @@ def test_import_of_the_package_is_light():
         ),
         (
             ["{tori}", "-k", "2", "-o", "{out}/a.ply", "--boundary", "open"],
-            "'open' is not one of 'auto', 'closed'",
+            "'open' is not one of 'auto', 'no'",
         ),
         (
             [

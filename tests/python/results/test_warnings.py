@@ -21,7 +21,7 @@ def said(*arguments, **options):
 
 
 def test_nothing_is_said_of_what_is_right():
-    for name, dim in (("torus", 2), ("circle", 1), ("ball", 3), ("spherical_cap", 2)):
+    for name, dim in (("torus", 2), ("sphere", 2), ("ball", 3), ("spherical_cap", 2)):
         points = getattr(rm.datasets, name)(800, random_state=0)
         found, rec = said(points, dim)
         assert not found, name
