@@ -48,10 +48,13 @@ from remanifold.results.reconstruction import Reconstruction, load
 from remanifold.results.simplicial_complex import SimplicialComplex, Subcomplex
 from remanifold.warnings import (
     DimensionWarning,
+    DoubtWarning,
+    DroppedWarning,
     FileWarning,
     ManifoldWarning,
     RecallWarning,
     RemanifoldWarning,
+    TransposedWarning,
 )
 
 __version__: str = _core.__version__
@@ -59,6 +62,8 @@ __version__: str = _core.__version__
 __all__ = [
     "DimensionEstimate",
     "DimensionWarning",
+    "DoubtWarning",
+    "DroppedWarning",
     "EdgeSets",
     "Embedding",
     "FileWarning",
@@ -85,6 +90,7 @@ __all__ = [
     "Subcomplex",
     "TangentSpaces",
     "Topology",
+    "TransposedWarning",
     "__version__",
     "clique_complex",
     "compute_topology",

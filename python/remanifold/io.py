@@ -109,3 +109,8 @@ def read_complex(
         )
     except (ValueError, TypeError) as error:
         source.fail(str(error), error)
+
+
+def __dir__() -> list[str]:
+    """Public names only."""
+    return sorted({*__all__, *(name for name in globals() if name.startswith("__"))})

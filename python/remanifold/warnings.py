@@ -3,10 +3,13 @@
 
 __all__ = [
     "DimensionWarning",
+    "DoubtWarning",
+    "DroppedWarning",
     "FileWarning",
     "ManifoldWarning",
     "RecallWarning",
     "RemanifoldWarning",
+    "TransposedWarning",
 ]
 
 
@@ -19,7 +22,7 @@ class RecallWarning(RemanifoldWarning):
 
 
 class DimensionWarning(RemanifoldWarning):
-    """The dimension that was found from the samples is uncertain."""
+    """The dimension does not look right, or what was found for it is uncertain."""
 
 
 class ManifoldWarning(RemanifoldWarning):
@@ -28,3 +31,25 @@ class ManifoldWarning(RemanifoldWarning):
 
 class FileWarning(RemanifoldWarning):
     """Something in a file was left out, or it was guessed what its columns are."""
+
+
+class DoubtWarning(RemanifoldWarning):
+    """The samples do not determine the result; `quality` says more, and looks closer.
+
+    It is given for what shows without further work: few samples, close decisions about
+    openings, parts far from all others, many disputed simplices. Whenever it is given,
+    `quality` is not ok; the converse does not hold.
+    """
+
+
+class DroppedWarning(RemanifoldWarning):
+    """Samples were left out as outliers, which nobody asked for."""
+
+
+class TransposedWarning(RemanifoldWarning):
+    """The array looks as if its rows were its columns."""
+
+
+def __dir__() -> list[str]:
+    """Public names only."""
+    return sorted({*__all__, *(name for name in globals() if name.startswith("__"))})

@@ -16,6 +16,15 @@ DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
+def pytest_configure(config: pytest.Config) -> None:
+    """Few samples are in doubt, and outliers left out: the tests mean it so.
+
+    Those of the warnings themselves catch them all the same.
+    """
+    for kind in ("DoubtWarning", "DroppedWarning"):
+        config.addinivalue_line("filterwarnings", f"ignore::remanifold.{kind}")
+
+
 def version(package: str) -> str:
     try:
         return metadata.version(package)

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import operator
+import os
 from numbers import Real
 from typing import TYPE_CHECKING, Any
 
@@ -145,10 +146,16 @@ def check_int(value: Any, name: str, minimum: int, hint: str = "") -> int:
 
 
 def check_num_threads(num_threads: Any) -> int:
-    """0 stands for all cores."""
+    """0 stands for all cores; -1 does for callers, -2 for all but one, and so on."""
     if num_threads is None:
         return 0
-    return check_int(num_threads, "num_threads", minimum=1)
+    count = check_int(num_threads, "num_threads", minimum=-_LARGEST_INDEX)
+    if count == 0:
+        msg = "num_threads is 0, expected at least 1, or -1 for all cores"
+        raise ValueError(msg)
+    if count >= -1:
+        return max(count, 0)
+    return max(1, (os.cpu_count() or 1) + 1 + count)
 
 
 def check_choice(value: Any, name: str, choices: tuple[str, ...]) -> str:

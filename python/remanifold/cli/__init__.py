@@ -13,9 +13,10 @@ Each command is a function in a module of its own; here they are given their nam
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 import remanifold as rm
 from remanifold.cli import (
@@ -27,12 +28,24 @@ from remanifold.cli import (
     report,
     view,
 )
-from remanifold.cli._common import examples
+from remanifold.cli._common import examples, renamed
 
 __all__ = ["app", "main"]
 
+
+class _Commands(TyperGroup):
+    """Says which words of a command line have other names now."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        if any(word.partition("=")[0] == "--threads" for word in args):
+            renamed("--threads", "--num-threads")
+        parsed: list[str] = super().parse_args(ctx, args)
+        return parsed
+
+
 app = typer.Typer(
     name="remanifold",
+    cls=_Commands,
     help="Reconstruct manifolds from their samples.",
     epilog=examples(
         "remanifold info scan.ply",

@@ -21,6 +21,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from remanifold._base.validation import check_num_threads
 from remanifold.formats._columns import check_columns
 from remanifold.formats._mesh import FileMesh
 from remanifold.formats._source import Source, is_standard
@@ -92,6 +93,24 @@ def _columns(text: str) -> str:
     return text
 
 
+def _threads(text: str) -> int:
+    try:
+        count = int(text)
+    except ValueError:
+        msg = f"{text!r} is no whole number."
+        raise typer.BadParameter(msg) from None
+    complaining(lambda: check_num_threads(count))
+    return count
+
+
+def renamed(old: str, new: str) -> None:
+    """Say that a word of the command line has another name now."""
+    text = (
+        f"remanifold: note: {old} is called {new} now; the old name goes with the next"
+    )
+    typer.echo(f"{text} version", err=True)
+
+
 FORMATS = tuple(suffix[1:] for suffix in {**READERS, **WRITERS})
 FormatOption = Annotated[
     str | None,
@@ -128,7 +147,15 @@ DropInvalidOption = Annotated[
     ),
 ]
 ThreadsOption = Annotated[
-    int | None, typer.Option(min=1, show_default="all cores", help="Threads.")
+    int | None,
+    typer.Option(
+        "--num-threads",
+        "--threads",
+        parser=_threads,
+        metavar="INTEGER",
+        show_default="all cores",
+        help="Threads; -1 for all cores, -2 for all but one. The result is the same.",
+    ),
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="Report as a JSON object.")]
 

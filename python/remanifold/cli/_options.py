@@ -10,7 +10,7 @@ import typer
 
 from remanifold import _core
 from remanifold._base.validation import check_int, check_positive
-from remanifold.cli._common import choice, complaining, listed
+from remanifold.cli._common import choice, complaining, listed, renamed
 from remanifold.formats.reading import READERS
 from remanifold.method.options import (
     EDGE_RULES,
@@ -20,7 +20,7 @@ from remanifold.method.options import (
     Options,
 )
 
-BOUNDARIES: dict[str, str | bool] = {"auto": "auto", "closed": False}
+BOUNDARIES: dict[str, str | bool] = {"auto": "auto", "no": False}
 
 
 def _dim_or_auto(text: str) -> int | str:
@@ -33,13 +33,30 @@ def _dim_or_auto(text: str) -> int | str:
         raise typer.BadParameter(msg) from None
 
 
+def _boundary(text: str) -> str:
+    if text == "closed":
+        renamed("--boundary closed", "--boundary no")
+        text = "no"
+    if text not in BOUNDARIES:
+        msg = f"{text!r} is not one of {', '.join(map(repr, BOUNDARIES))}."
+        raise typer.BadParameter(msg)
+    return text
+
+
+def _complete_boundary(incomplete: str) -> list[str]:
+    return [word for word in BOUNDARIES if word.startswith(incomplete)]
+
+
 def _outliers(text: str) -> Any:
-    if text in ("auto", "keep"):
-        return {"auto": "auto", "keep": False}[text]
+    if text == "keep":
+        renamed("--outliers keep", "--outliers no")
+        text = "no"
+    if text in ("auto", "no"):
+        return {"auto": "auto", "no": False}[text]
     try:
         return check_positive(float(text), "outliers")
     except ValueError:
-        msg = f"{text!r} is neither auto, keep nor a positive number."
+        msg = f"{text!r} is neither auto, no nor a positive number."
         raise typer.BadParameter(msg) from None
 
 
@@ -75,9 +92,11 @@ Method: TypeAlias = Annotated[
 ]
 Boundary: TypeAlias = Annotated[
     str,
-    choice(
-        tuple(BOUNDARIES),
-        "Manifold method: leave wide holes open, or close everything.",
+    typer.Option(
+        parser=_boundary,
+        metavar=f"[{'|'.join(BOUNDARIES)}]",
+        help="Manifold method: leave wide holes open, or close everything.",
+        autocompletion=_complete_boundary,
     ),
 ]
 HoleRadius: TypeAlias = Annotated[
@@ -101,8 +120,8 @@ Outliers: TypeAlias = Annotated[
     Any,
     typer.Option(
         parser=_outliers,
-        metavar="[auto|keep|DISTANCE]",
-        show_default="auto, or keep for paper",
+        metavar="[auto|no|DISTANCE]",
+        show_default="auto, or no for paper",
         help="Leave out samples at least so many local scales away from what the "
         f"others show (auto: {_core.OUTLIER_DISTANCE:g}), or keep all.",
     ),
@@ -142,6 +161,9 @@ Edges: TypeAlias = Annotated[
 ]
 Search: TypeAlias = Annotated[
     str, choice(SEARCHES, "Search for the nearest neighbors.")
+]
+Checks: TypeAlias = Annotated[
+    int, typer.Option(help="Approximate search: leaves that it visits.")
 ]
 Quiet: TypeAlias = Annotated[
     bool, typer.Option("--quiet", "-q", help="No progress, table or warnings.")

@@ -101,7 +101,13 @@ def reconstruct_file(
     vars(rec)["provenance"] = dataclasses.replace(
         rec.provenance, source=source_of, command=command_line()
     )
-    complaints = [str(warning.message) for warning in caught]
+    # The command line judges in any case, and what the file looked like is said.
+    said = (rm.DoubtWarning, *((rm.TransposedWarning,) if guesses else ()))
+    complaints = [
+        str(w.message).replace("outliers=False", "--outliers no")
+        for w in caught
+        if not issubclass(w.category, said)
+    ]
     if found is not None and found.confidence < LOW_CONFIDENCE:
         complaints.insert(0, low_confidence(found))
     warned = any(issubclass(w.category, rm.ManifoldWarning) for w in caught)

@@ -33,6 +33,7 @@ from remanifold.cli._common import (
 )
 from remanifold.cli._options import (
     Boundary,
+    Checks,
     Dim,
     Edges,
     Estimator,
@@ -54,6 +55,7 @@ from remanifold.formats._source import is_standard
 from remanifold.formats.saved import SUFFIX
 from remanifold.formats.writing import MESH_WRITERS, fitting_fields, write_valid
 from remanifold.io import check_output, write_mesh
+from remanifold.method.options import CHECKS
 from remanifold.results.reconstruction import check_saved
 
 EPILOG = examples(
@@ -98,6 +100,7 @@ def reconstruct(
     estimator: Estimator = None,
     edges: Edges = None,
     search: Search = "auto",
+    checks: Checks = CHECKS,
     fields: Annotated[
         str,
         choice(
@@ -130,6 +133,7 @@ def reconstruct(
         estimator=estimator,
         edges=edges,
         search=search,
+        checks=checks,
     )
 
     whole = output_format is None and output.name.lower().endswith(SUFFIX)
@@ -329,7 +333,6 @@ def _complaints(report: dict[str, Any], warned: bool) -> list[str]:
     if report["method"] == "paper":
         unused += f" ({report['boundary_samples']:,} have no tangent space)"
     found = [
-        (report["outliers"], "{} samples are outliers and were left out"),
         (report["unused_samples"], unused),
         *([] if warned else _defects(report, faces, simplices)),
     ]

@@ -26,6 +26,7 @@ from remanifold.cli._common import (
 )
 from remanifold.cli._options import (
     Boundary,
+    Checks,
     Dim,
     Edges,
     Estimator,
@@ -41,7 +42,7 @@ from remanifold.cli._options import (
     options_of,
 )
 from remanifold.cli._reconstructing import reconstruct_file
-from remanifold.method.options import Options
+from remanifold.method.options import CHECKS, Options
 from remanifold.page.report_page import check_page, write_report
 
 EPILOG = examples(
@@ -71,6 +72,7 @@ def report(
     estimator: Estimator = None,
     edges: Edges = None,
     search: Search = "auto",
+    checks: Checks = CHECKS,
     columns: ColumnsOption = None,
     drop_invalid: DropInvalidOption = False,
     format: FormatOption = None,
@@ -93,6 +95,7 @@ def report(
         estimator=estimator,
         edges=edges,
         search=search,
+        checks=checks,
     )
 
     def check_target(*_: int | None) -> None:

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
@@ -14,6 +14,10 @@ from remanifold.drawing.draw_pyvista import has_display
 from remanifold.drawing.plotting import BACKENDS
 from remanifold.drawing.scene import STYLES
 from remanifold.formats.reading import WITH_SIMPLICES
+
+if TYPE_CHECKING:
+    from remanifold.drawing.plotting import Backend
+    from remanifold.drawing.scene import Style
 
 COLORS = ("component", "boundary", "quality")
 EPILOG = examples(
@@ -65,8 +69,8 @@ def view(
         rm.plot(
             complex,
             color=color,
-            style=style,
-            backend=backend,
+            style=cast("Style", style),
+            backend=cast("Backend", backend),
             title=source.name,
             screenshot=screenshot,
         )

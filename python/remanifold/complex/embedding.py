@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, get_args
 
 import numpy as np
 
@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 
     from remanifold.complex.data import ComplexData
 
-METHODS = ("auto", "pca", "geodesic")
+EmbeddingMethod: TypeAlias = Literal["auto", "pca", "geodesic"]
+METHODS: tuple[str, ...] = get_args(EmbeddingMethod)
 ENOUGH = 0.95  # of the variance: PCA then needs no rival
 MOST_LANDMARKS, LEAST_LANDMARKS = 100, 20
 LANDMARK_WORK = 2_000_000  # vertices times landmarks
@@ -57,7 +58,7 @@ class Embedding(ReadOnlyArrays):
         )
 
 
-def embed(complex: ComplexData, method: str = "auto") -> Embedding:
+def embed(complex: ComplexData, method: EmbeddingMethod = "auto") -> Embedding:
     """Find three coordinates for a complex in more dimensions.
 
     Parameters

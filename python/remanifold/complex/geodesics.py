@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
 
 import numpy as np
 
@@ -17,14 +17,15 @@ from remanifold.complex.projection import edge_triangles, simplex_volumes
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-METHODS = ("auto", "graph", "heat", "exact")
+GeodesicMethod: TypeAlias = Literal["auto", "graph", "heat", "exact"]
+METHODS: tuple[str, ...] = get_args(GeodesicMethod)
 # Smallest singular value of a simplex that has gradients, over its largest.
 _FLAT = 1e-10
 _Solver: TypeAlias = Callable[[int], "NDArray[np.float64]"]
 
 
 def geodesic_distances(
-    complex_: ComplexData, sources: ArrayLike, method: str = "auto"
+    complex_: ComplexData, sources: ArrayLike, method: GeodesicMethod = "auto"
 ) -> NDArray[np.float64]:
     """Distances, as `SimplicialComplex.geodesic_distances` describes them."""
     check_choice(method, "method", METHODS)

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
     from remanifold._base.progress import Callback
     from remanifold.complex.data import ComplexData
+
+RandomState: TypeAlias = int | np.random.Generator | np.random.RandomState | None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -195,13 +197,11 @@ def sample(
     complex_: ComplexData,
     volumes: NDArray[np.float64],
     num_points: int,
-    rng: int | np.random.Generator | None = None,
+    random_state: RandomState = None,
 ) -> PointsOnComplex:
     """Random points by `simplex_volumes`, as `SimplicialComplex.sample` describes them."""
     count = check_int(num_points, "num_points", minimum=0)
-    if not (rng is None or isinstance(rng, np.random.Generator)):
-        rng = check_int(rng, "rng", minimum=0)
-    random = np.random.default_rng(rng)
+    random = _generator(random_state)
     ends = np.cumsum(volumes)
     if len(ends) == 0 or not ends[-1] > 0:
         msg = "the complex has no volume to draw points from"
@@ -216,6 +216,14 @@ def sample(
     if complex_.vertices is not None:
         points = _weighted(complex_.vertices, complex_.simplices[simplices], shares)
     return PointsOnComplex(points, simplices.astype(np.int64), shares)
+
+
+def _generator(random_state: RandomState) -> np.random.Generator:
+    if isinstance(random_state, np.random.RandomState):
+        return np.random.Generator(random_state._bit_generator)
+    if random_state is None or isinstance(random_state, np.random.Generator):
+        return np.random.default_rng(random_state)
+    return np.random.default_rng(check_int(random_state, "random_state", minimum=0))
 
 
 def simplex_volumes(complex_: ComplexData) -> NDArray[np.float64]:

@@ -109,3 +109,8 @@ __all__ = [
     "torus",
     "trefoil",
 ]
+
+
+def __dir__() -> list[str]:
+    """Public names only."""
+    return sorted({*__all__, *(name for name in globals() if name.startswith("__"))})

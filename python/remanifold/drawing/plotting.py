@@ -8,7 +8,7 @@ import sys
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
 
 from remanifold._base.optional import load
 from remanifold._base.validation import check_choice, check_int
@@ -24,9 +24,11 @@ if TYPE_CHECKING:
 
     from remanifold._base.files import StrPath
     from remanifold.complex.data import ComplexData
-    from remanifold.drawing.scene import Scene
+    from remanifold.complex.embedding import EmbeddingMethod
+    from remanifold.drawing.scene import Scene, Style
 
-BACKENDS = ("auto", "pyvista", "plotly", "matplotlib")
+Backend: TypeAlias = Literal["auto", "pyvista", "plotly", "matplotlib"]
+BACKENDS: tuple[str, ...] = get_args(Backend)
 # Simplices beyond which a picture gets slow.
 LIMITS = {"pyvista": 500_000, "plotly": 60_000, "matplotlib": 20_000}
 PAGES = (".html", ".htm")
@@ -36,11 +38,11 @@ def plot(
     complex: ComplexData,
     *,
     color: str | ArrayLike | None = None,
-    style: str = "auto",
+    style: Style = "auto",
     show_samples: bool = False,
     show_doubtful: bool = False,
-    embedding: str = "auto",
-    backend: str = "auto",
+    embedding: EmbeddingMethod = "auto",
+    backend: Backend = "auto",
     title: str = "",
     screenshot: StrPath | None = None,
     show: bool | None = None,

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, get_args
 
 import numpy as np
 
@@ -24,7 +24,8 @@ if TYPE_CHECKING:
 
     Points: TypeAlias = NDArray[np.float64]
 
-STYLES = ("auto", "surface", "shrunken", "edges")
+Style: TypeAlias = Literal["auto", "surface", "shrunken", "edges"]
+STYLES: tuple[str, ...] = get_args(Style)
 # Of each vertex: what any complex has, and those of `Quality`.
 FIELDS = ("boundary", "component", "quality", *QUALITY_FIELDS)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -238,6 +238,197 @@ def to_networkx(complex: ComplexData) -> Any:
         for (i, j), length in zip(complex.edges.tolist(), lengths, strict=True)
     )
     return graph
+
+
+def to_open3d(
+    complex: ComplexData, fields: Mapping[str, ArrayLike] | None = None
+) -> Any:
+    """Edges, triangles or tetrahedra as an object of Open3D.
+
+    Parameters
+    ----------
+    complex : SimplicialComplex
+        Of dimension up to 3, in at most three coordinates, to which zeros are added.
+    fields : mapping of str to array_like, optional
+        Of these ``colors`` (numbers from 0 to 1, or bytes) and ``normals`` are taken,
+        each of shape (N, 3), for triangles and tetrahedra; Open3D has no room for others.
+        By default those of the complex's `vertex_attributes`.
+
+    Returns
+    -------
+    open3d.geometry.LineSet, TriangleMesh or TetraMesh
+        Vertices in their order, simplices as they are oriented.
+
+    Raises
+    ------
+    ValueError
+        Simplices of more than three dimensions, or more than three coordinates.
+    ImportError
+        Open3D is not installed.
+    """
+    points = _space(complex, "Open3D", (1, 2, 3))
+    given = complex.vertex_attributes if fields is None else fields
+    known = check_fields(given, len(points))
+    open3d = _needed("open3d", "open3d")
+    utility, geometry = open3d.utility, open3d.geometry
+    places = utility.Vector3dVector(points)
+    cells = complex.simplices.astype(np.int32)
+    if complex.dim == 1:
+        return geometry.LineSet(places, utility.Vector2iVector(cells))
+    if complex.dim == 2:
+        mesh = geometry.TriangleMesh(places, utility.Vector3iVector(cells))
+    else:
+        mesh = geometry.TetraMesh(places, utility.Vector4iVector(cells))
+    for name, attribute in (("colors", "vertex_colors"), ("normals", "vertex_normals")):
+        array = known.get(name)
+        if array is None or array.ndim != 2 or array.shape[1] < 3:
+            continue
+        values = array[:, :3].astype(np.float64)
+        if name == "colors" and array.dtype.kind != "f":
+            values /= 255
+        setattr(mesh, attribute, utility.Vector3dVector(values))
+    return mesh
+
+
+def arrays_of_open3d(mesh: Any) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    """Points and simplices of an object of Open3D."""
+    if hasattr(mesh, "lines"):
+        return np.array(mesh.points, dtype=np.float64), _rows(mesh.lines, 2)
+    cells = mesh.tetras if hasattr(mesh, "tetras") else mesh.triangles
+    size = 4 if hasattr(mesh, "tetras") else 3
+    return np.array(mesh.vertices, dtype=np.float64), _rows(cells, size)
+
+
+def arrays_of_trimesh(mesh: Any) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    """Points and triangles of an object of trimesh."""
+    return np.array(mesh.vertices, dtype=np.float64), _rows(mesh.faces, 3)
+
+
+def arrays_of_pyvista(
+    mesh: Any, dim: int | None = None
+) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    """Points and simplices, as `interoperability.from_pyvista` describes them."""
+    grid = mesh if hasattr(mesh, "cells_dict") else mesh.cast_to_unstructured_grid()
+    blocks = {k: grid.cells_dict.get(cell) for k, cell in _VTK_CELLS.items()}
+    found = [k for k, cells in blocks.items() if cells is not None and len(cells)]
+    wanted = max(found, default=None) if dim is None else dim
+    if wanted not in found:
+        what = "simplices" if dim is None else simplex_name(dim)
+        have = ", ".join(simplex_name(k) for k in found) or "nothing of the kind"
+        msg = f"mesh has no {what}, only {have}; triangulate() cuts polygons"
+        raise ValueError(msg)
+    return np.array(grid.points, dtype=np.float64), _rows(blocks[wanted], wanted + 1)
+
+
+def arrays_of_networkx(
+    graph: Any,
+) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    """Positions and edges, as `interoperability.from_networkx` describes them."""
+    nodes = [*graph.nodes]
+    lacking = [node for node in nodes if "pos" not in graph.nodes[node]]
+    if lacking:
+        msg = f"the node {lacking[0]!r} has no position: give each a 'pos'"
+        raise ValueError(msg)
+    number = {node: i for i, node in enumerate(nodes)}
+    points = np.array([graph.nodes[node]["pos"] for node in nodes], dtype=np.float64)
+    edges = [sorted((number[a], number[b])) for a, b in graph.edges]
+    return points, _rows(sorted(edges), 2)
+
+
+def arrays_of_gudhi(tree: Any) -> NDArray[np.int32]:
+    """Simplices of the highest dimension of a simplex tree."""
+    dim = tree.dimension()
+    rows = [sorted(s) for s, _ in tree.get_skeleton(dim) if len(s) == dim + 1]
+    return _rows(sorted(rows), dim + 1)
+
+
+def _rows(cells: Any, size: int) -> NDArray[np.int32]:
+    return np.array(cells, dtype=np.int32).reshape(-1, size)
+
+
+class Matrices(NamedTuple):
+    """A complex as sparse matrices.
+
+    Attributes
+    ----------
+    adjacency : scipy.sparse.csr_array, shape (N, N), bool
+        Symmetric; which vertices have an edge between them.
+    boundaries : tuple of K scipy.sparse.csr_array of int8
+        ``boundaries[k - 1]`` is the boundary operator from k-simplices to their faces,
+        with entries 1 and -1: the product of each with the next is zero.
+    simplices : tuple of K + 1 ndarray, shape (M_k, k+1), int32
+        What rows and columns stand for. Vertices are all N; below K the faces of the
+        simplices, sorted, oriented by ascending vertices; in K the simplices as they
+        are, with their orientation.
+    """
+
+    adjacency: Any
+    boundaries: tuple[Any, ...]
+    simplices: tuple[NDArray[np.int32], ...]
+
+
+def to_scipy(complex: ComplexData) -> Matrices:
+    """Adjacency and boundary operators as sparse matrices of SciPy.
+
+    Parameters
+    ----------
+    complex : SimplicialComplex
+        With coordinates or without, of any dimension.
+
+    Returns
+    -------
+    Matrices
+        ``adjacency``, ``boundaries`` and the ``simplices`` that these are about.
+        `edge_graph` has the lengths of the edges.
+
+    Raises
+    ------
+    ImportError
+        SciPy is not installed.
+
+    Notes
+    -----
+    The sum of the columns of the last operator is the boundary of an oriented complex,
+    zero where it is closed. Betti numbers are the dimensions of the homology: number of
+    k-simplices less the ranks of the operators from and to them.
+    """
+    check_complex(complex)
+    sparse = _needed("scipy.sparse", "graph")
+    count, top = complex.num_vertices, complex.simplices
+    levels: list[NDArray[np.int32]] = [top]
+    boundaries: list[Any] = []
+    for size in range(complex.dim + 1, 1, -1):
+        rows = levels[0]
+        order = np.argsort(rows, axis=1, kind="stable")
+        ascending = np.take_along_axis(rows, order, axis=1)
+        turned = _parities(order)
+        faces = np.concatenate([np.delete(ascending, i, axis=1) for i in range(size)])
+        signs = np.concatenate([turned * (-1) ** i for i in range(size)])
+        columns = np.tile(np.arange(len(rows)), size)
+        if size == 2:
+            known, number = np.arange(count, dtype=np.int32)[:, None], faces[:, 0]
+        else:
+            known, number = np.unique(faces, axis=0, return_inverse=True)
+        shape = (len(known), len(rows))
+        entries = (signs.astype(np.int8), (number.reshape(-1), columns))
+        boundaries.insert(0, sparse.csr_array(entries, shape=shape))
+        levels.insert(0, known.astype(np.int32))
+    i, j = complex.edges.T
+    pairs = (np.concatenate([i, j]), np.concatenate([j, i]))
+    ones = np.ones(2 * len(i), dtype=np.bool_)
+    adjacency = sparse.csr_array((ones, pairs), shape=(count, count))
+    return Matrices(adjacency, tuple(boundaries), tuple(levels))
+
+
+def _parities(order: NDArray[np.intp]) -> NDArray[np.int64]:
+    """1 for even permutations, -1 for odd ones."""
+    size = order.shape[1]
+    inversions = sum(
+        (order[:, i] > order[:, j]).astype(np.int64)
+        for i in range(size)
+        for j in range(i + 1, size)
+    )
+    return np.asarray(1 - 2 * (inversions % 2))
 
 
 def _needed(module: str, extra: str) -> Any:

@@ -8,12 +8,13 @@ import os
 import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any, NamedTuple
+from typing import IO, TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from remanifold._base.files import StrPath, check_target, complete_file
+from remanifold._base.validation import check_choice
 from remanifold.complex.data import check_complex
 from remanifold.formats._gltf import write_glb, write_gltf
 from remanifold.formats._mesh import FileMesh, comment_lines, finite_part, simplex_name
@@ -151,7 +152,7 @@ def write_mesh(
 def write_complex(
     path: StrPath,
     complex: ComplexData,
-    fields: str | Mapping[str, ArrayLike] | None = "auto",
+    fields: Literal["auto"] | Mapping[str, ArrayLike] | None = "auto",
     *,
     format: str | None = None,
     comment: str | None = None,
@@ -192,9 +193,7 @@ def write_complex(
         )
         raise ValueError(msg)
     if isinstance(fields, str):
-        if fields != "auto":
-            msg = f"fields is {fields!r}, expected 'auto', None or a mapping"
-            raise ValueError(msg)
+        check_choice(fields, "fields", ("auto",))
         fields = fitting_fields(path, complex.vertex_attributes, format)
     if comment is None:
         comment = complex.comment

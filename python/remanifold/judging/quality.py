@@ -298,7 +298,7 @@ class _Findings:
     num_samples: int  # without copies
     num_simplices: int
     simplices: NDArray[np.int32]
-    topology: Topology
+    topology: Topology | None  # which the first look does without
     repair: Repair
     openings: tuple[Opening, ...]
     significance: float
@@ -411,6 +411,62 @@ def assess(rec: ReconstructionData) -> Quality:
         reasons=reasons,
         recommended_samples=recommended,
         verdict=_verdict(findings, reasons, recommended, rec.vertices),
+    )
+
+
+def doubts_at_once(rec: ReconstructionData) -> list[str]:
+    """Those strong signs that show in the result without measuring anything.
+
+    Each of them alone makes `assess` doubt the result.
+    """
+    own = rec.representatives == np.arange(rec.num_samples)
+    own[rec.left_out] = False
+    unknown = np.broadcast_to(np.nan, rec.num_samples)
+    found = _Findings(
+        dim=rec.dim,
+        ambient_dim=rec.ambient_dim,
+        samples=rec._source,
+        num_samples=int(np.count_nonzero(own)),
+        num_simplices=len(rec.simplices),
+        simplices=rec.simplices,
+        topology=None,
+        repair=rec.repair,
+        openings=rec.openings,
+        significance=rec.significance,
+        own=own,
+        boundary=rec.boundary,
+        spacing=unknown,
+        reach=unknown,
+        ratio=unknown,
+        confidence=unknown,
+        fold=unknown,
+        gap=unknown,
+        strange=unknown,
+        disputed=unknown,
+        noise=math.nan,
+    )
+    if found.num_simplices == 0:
+        return []  # which is said already
+    signs = [*_too_few(found)]
+    if not signs:
+        kinds = (_misfits, _close_decisions, _parts, _disputes)
+        signs = [sign for kind in kinds for sign in kind(found)]
+    return [sign.text for sign in signs if sign.strong]
+
+
+def looks_like_a_boundary(rec: ReconstructionData) -> str:
+    """Words for samples of a solid that are all on its boundary, else nothing."""
+    if rec.ambient_dim != rec.dim or rec.dim == 1 or len(rec.simplices) == 0:
+        return ""
+    rim = rec.boundary[np.unique(rec.simplices)]
+    few = len(rim) < 4 * (rec.dim + 1)
+    return "" if few or not rim.all() else _only_boundary(rec.dim)
+
+
+def _only_boundary(dim: int) -> str:
+    return (
+        f"every sample is on the boundary of the {dim}-dimensional result: they may be of "
+        f"its boundary, dim={dim - 1}"
     )
 
 
@@ -637,7 +693,8 @@ def _is_only_boundary(found: _Findings) -> bool:
 
 
 def _not_a_manifold(found: _Findings) -> Iterator[_Sign]:
-    topology, repair = found.topology, found.repair
+    topology = found.topology
+    assert topology is not None
     bad = topology.singular_vertices
     if len(bad):
         yield _Sign(
@@ -646,28 +703,13 @@ def _not_a_manifold(found: _Findings) -> Iterator[_Sign]:
             bad.astype(np.int64),
             _growth_by_ratio(found, bad),
         )
-    if len(repair.cut_vertices):
-        yield _Sign(
-            True,
-            f"around {_count(len(repair.cut_vertices), 'sample')} the simplices made no "
-            "manifold, and all but one fan of them were taken out",
-            repair.cut_vertices.astype(np.int64),
-            _growth_by_ratio(found, repair.cut_vertices),
-        )
     if _is_only_boundary(found):
         yield _Sign(
             True,
-            f"every sample is on the boundary of the {found.dim}-dimensional result: they "
-            f"may be of its boundary, dim={found.dim - 1}",
+            _only_boundary(found.dim),
             _NOWHERE,
         )
-    unused = repair.unused_vertices
-    if len(unused) > MAX_UNUSED * found.num_samples:
-        yield _Sign(
-            True,
-            f"{_count(len(unused), 'sample')} fit nowhere",
-            unused.astype(np.int64),
-        )
+    yield from _misfits(found)
     if (
         topology.manifold
         and topology.closed
@@ -679,6 +721,24 @@ def _not_a_manifold(found: _Findings) -> Iterator[_Sign]:
             "the result is closed and has one side only, which no manifold of "
             f"codimension 1 in R^{found.ambient_dim} has",
             _NOWHERE,
+        )
+
+
+def _misfits(found: _Findings) -> Iterator[_Sign]:
+    """Samples in no simplex, and those that have lost some."""
+    cut, unused = found.repair.cut_vertices, found.repair.unused_vertices
+    if len(cut):
+        yield _Sign(
+            True,
+            f"around {_count(len(cut), 'sample')} the simplices made no manifold, and all "
+            "but one fan of them were taken out",
+            cut.astype(np.int64),
+        )
+    if len(unused) > MAX_UNUSED * found.num_samples:
+        yield _Sign(
+            True,
+            f"{_count(len(unused), 'sample')} fit nowhere",
+            unused.astype(np.int64),
         )
 
 
@@ -867,9 +927,10 @@ def _changes(found: _Findings, fewer: NDArray[np.int32]) -> bool:
 
     It is not where they were taken away from a rim: the rim moves.
     """
+    whole = found.topology or topology_of(found.simplices, len(found.own))
     kinds = [
         (one.components, one.euler_characteristic, one.boundary_components)
-        for one in (found.topology, topology_of(fewer, len(found.own)))
+        for one in (whole, topology_of(fewer, len(found.own)))
     ]
     return kinds[0] != kinds[1]
 

@@ -25,9 +25,12 @@ from remanifold._base.validation import (
 from remanifold.method.options import EXACT_SEARCHES
 
 if TYPE_CHECKING:
+    from typing import Literal
+
     from numpy.typing import ArrayLike, NDArray
 
     from remanifold._base.progress import Callback
+    from remanifold.method.options import ExactSearch
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -104,7 +107,7 @@ def smooth(
     num_neighbors: int | None = None,
     *,
     only_noise: bool = False,
-    search: str = "auto",
+    search: ExactSearch = "auto",
     num_threads: int | None = None,
     progress: bool | Callback | None = None,
 ) -> Smoothing:
@@ -189,11 +192,11 @@ def smooth(
 def find_outliers(
     points: ArrayLike | None = None,
     dim: int | None = None,
-    outliers: str | float = "auto",
+    outliers: Literal["auto"] | float = "auto",
     *,
     gram: ArrayLike | None = None,
     distances: ArrayLike | None = None,
-    search: str = "auto",
+    search: ExactSearch = "auto",
     num_threads: int | None = None,
     progress: bool | Callback | None = None,
 ) -> NDArray[np.int32]:

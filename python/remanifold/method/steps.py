@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from remanifold._base.progress import Callback
+    from remanifold.method.options import EdgeRule, Estimator, ExactSearch, Search
 
 
 class Neighborhoods(NamedTuple):
@@ -165,7 +166,7 @@ def neighborhoods(
     *,
     gram: ArrayLike | None = None,
     distances: ArrayLike | None = None,
-    search: str = "auto",
+    search: Search = "auto",
     checks: int = CHECKS,
     num_threads: int | None = None,
     progress: bool | Callback | None = None,
@@ -226,11 +227,11 @@ def tangent_spaces(
     points: ArrayLike | None = None,
     dim: int | None = None,
     num_neighbors: int | None = None,
-    estimator: str = "enclosure",
+    estimator: Estimator = "enclosure",
     *,
     gram: ArrayLike | None = None,
     distances: ArrayLike | None = None,
-    search: str = "auto",
+    search: ExactSearch = "auto",
     num_threads: int | None = None,
     progress: bool | Callback | None = None,
 ) -> TangentSpaces:
@@ -291,7 +292,7 @@ def local_regions(
     bases: ArrayLike,
     boundary: ArrayLike | None = None,
     *,
-    search: str = "auto",
+    search: ExactSearch = "auto",
     num_threads: int | None = None,
     progress: bool | Callback | None = None,
 ) -> LocalRegions:
@@ -345,7 +346,7 @@ def edge_sets(
     bases: ArrayLike,
     boundary: ArrayLike | None = None,
     *,
-    search: str = "auto",
+    search: ExactSearch = "auto",
     num_threads: int | None = None,
     progress: bool | Callback | None = None,
 ) -> EdgeSets:
@@ -378,7 +379,7 @@ def clique_complex(
     offsets: ArrayLike,
     indices: ArrayLike,
     dim: int,
-    edges: str = "mutual",
+    edges: EdgeRule = "mutual",
     *,
     num_threads: int | None = None,
     progress: bool | Callback | None = None,

@@ -21,6 +21,7 @@ from remanifold._base.validation import (
 from remanifold.complex.data import ComplexData
 from remanifold.complex.projection import project
 from remanifold.formats.writing import check_fields
+from remanifold.judging.quality import doubts_at_once, looks_like_a_boundary
 from remanifold.method.cleaning import as_points, smoothing_of
 from remanifold.method.dimension import find_dimension, other_dimension
 from remanifold.method.dropping import INVALID, filled, finite_rows, number_as_given
@@ -30,7 +31,13 @@ from remanifold.method.programs import solve_program
 from remanifold.method.provenance import Parameter, Used, parameters_of, provenance_of
 from remanifold.method.steps import EdgeSets, Stars, warn_of_recall
 from remanifold.results.reconstruction import Reconstruction
-from remanifold.warnings import DimensionWarning, ManifoldWarning
+from remanifold.warnings import (
+    DimensionWarning,
+    DoubtWarning,
+    DroppedWarning,
+    ManifoldWarning,
+    TransposedWarning,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -48,7 +55,7 @@ if TYPE_CHECKING:
 
 def reconstruct(
     points: ArrayLike | None = None,
-    dim: int | str | None = None,
+    dim: int | Literal["auto"] | None = None,
     *,
     method: Method = "manifold",
     boundary: Literal["auto", False] | ArrayLike = "auto",
@@ -140,6 +147,22 @@ def reconstruct(
     TypeError
         Not numbers; `dim` not an integer.
 
+    Warns
+    -----
+    ManifoldWarning
+        The result lacks something, or noise drowns the shape.
+    DoubtWarning
+        The samples do not determine the result, as far as that shows without measuring:
+        `Reconstruction.quality` does, at up to four times the cost.
+    DimensionWarning
+        Another dimension fits, or the one that was found is uncertain.
+    DroppedWarning
+        Outliers were left out and `outliers` was not given.
+    TransposedWarning
+        More coordinates than samples, and too few of these for a single fit.
+    RecallWarning
+        The approximate search missed neighbors.
+
     References
     ----------
     D. Freedman, Efficient Simplicial Reconstructions of Manifolds from Their Samples,
@@ -193,6 +216,7 @@ def reconstruct(
             "attributes": Parameter(", ".join(known) or None, bool(known)),
         },
     )
+    _warn_of_nonsense(rec, samples, options)
     for name, array in known.items():
         rec.vertex_attributes[name] = array.copy()
         rec.vertex_attributes[name].flags.writeable = False
@@ -375,6 +399,44 @@ def _reconstruct_again(rec: Reconstruction, decisions: Decisions) -> Reconstruct
     )
     again.vertex_attributes.update(rec.vertex_attributes)
     return again
+
+
+def _warn_of_nonsense(rec: Reconstruction, samples: Input, options: Options) -> None:
+    """Say at once what would else be found out when somebody asks."""
+    count, columns = samples.matrix.shape
+    # What no fit can be made of, and would be many more samples the other way round.
+    if (
+        isinstance(samples, Points)
+        and count <= _core.jet_neighbors(rec.dim)
+        and columns > count
+    ):
+        _warn(
+            TransposedWarning,
+            f"points has {count:,} samples of {columns:,} coordinates, too few to tell "
+            f"anything: if it holds {columns:,} samples, transpose it",
+        )
+    # What was asked for is no news.
+    if len(rec.outliers) and options.outliers is None:
+        left = len(rec.outliers)
+        are = (
+            "sample is an outlier and was"
+            if left == 1
+            else "samples are outliers and were"
+        )
+        _warn(DroppedWarning, f"{left:,} {are} left out; outliers=False keeps all")
+    other = rec.smoothing is not None and rec.smoothing.fitting_dim is not None
+    if not other and (said := looks_like_a_boundary(rec)):
+        _warn(DimensionWarning, said)
+    doubts = doubts_at_once(rec)
+    if doubts:
+        more = f" (and {len(doubts) - 1} more)" if len(doubts) > 1 else ""
+        _warn(
+            DoubtWarning, f"the result is in doubt: {doubts[0]}{more}; see rec.quality"
+        )
+
+
+def _warn(kind: type[Warning], text: str) -> None:
+    warnings.warn(text, kind, stacklevel=4)
 
 
 def _warn_of_dimension(dim: int, fitting: int) -> None:

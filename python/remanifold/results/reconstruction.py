@@ -27,6 +27,7 @@ from remanifold.results.simplicial_complex import SimplicialComplex
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
+    from typing import Literal
 
     from numpy.typing import ArrayLike
 
@@ -305,7 +306,7 @@ class Reconstruction(JudgedReconstruction, SimplicialComplex):
     def write(
         self,
         path: StrPath,
-        fields: str | Mapping[str, ArrayLike] | None = "auto",
+        fields: Literal["auto", "all"] | Mapping[str, ArrayLike] | None = "auto",
         *,
         format: str | None = None,
     ) -> None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from remanifold._base.deprecated import renamed
 from remanifold._base.html import fragment
 from remanifold._base.read_only import ReadOnlyArrays
 from remanifold._base.text import one_line
@@ -24,13 +25,15 @@ from remanifold.formats.writing import check_fields, write_complex
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+    from typing import Literal
 
     from numpy.typing import ArrayLike, NDArray
 
     from remanifold._base.files import StrPath
     from remanifold._base.progress import Callback
+    from remanifold.complex.geodesics import GeodesicMethod
     from remanifold.complex.parts import Part
-    from remanifold.complex.projection import PointsOnComplex, Projection
+    from remanifold.complex.projection import PointsOnComplex, Projection, RandomState
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -129,7 +132,7 @@ class SimplicialComplex(ComplexData):
     def write(
         self,
         path: StrPath,
-        fields: str | Mapping[str, ArrayLike] | None = "auto",
+        fields: Literal["auto"] | Mapping[str, ArrayLike] | None = "auto",
         *,
         format: str | None = None,
     ) -> None:
@@ -170,6 +173,14 @@ class SimplicialComplex(ComplexData):
     def to_meshio(self, fields: Mapping[str, ArrayLike] | None = None) -> Any:
         """Mesh of meshio; see `interoperability.to_meshio`."""
         return objects.to_meshio(self, fields)
+
+    def to_open3d(self, fields: Mapping[str, ArrayLike] | None = None) -> Any:
+        """Line set or mesh of Open3D; see `interoperability.to_open3d`."""
+        return objects.to_open3d(self, fields)
+
+    def to_scipy(self) -> objects.Matrices:
+        """Adjacency and boundary operators; see `interoperability.to_scipy`."""
+        return objects.to_scipy(self)
 
     def to_networkx(self) -> Any:
         """Graph of NetworkX, with lengths; see `interoperability.to_networkx`."""
@@ -291,7 +302,11 @@ class SimplicialComplex(ComplexData):
         return projection.interpolate(self, values, points, num_threads=num_threads)
 
     def sample(
-        self, num_points: int, rng: int | np.random.Generator | None = None
+        self,
+        num_points: int,
+        random_state: RandomState = None,
+        *,
+        rng: RandomState = None,
     ) -> PointsOnComplex:
         """Independent points of the complex, uniform by K-volume.
 
@@ -299,8 +314,10 @@ class SimplicialComplex(ComplexData):
         ----------
         num_points : int
             How many.
-        rng : int or numpy.random.Generator, optional
+        random_state : int, Generator, RandomState or None
             A seed for the same points again, or a generator.
+        rng
+            The same, deprecated.
 
         Returns
         -------
@@ -313,7 +330,8 @@ class SimplicialComplex(ComplexData):
         ValueError
             A complex of no volume.
         """
-        return projection.sample(self, self.simplex_volumes, num_points, rng)
+        state = renamed("rng", rng, "random_state", random_state)
+        return projection.sample(self, self.simplex_volumes, num_points, state)
 
     @functools.cached_property
     def simplex_volumes(self) -> NDArray[np.float64]:
@@ -335,7 +353,7 @@ class SimplicialComplex(ComplexData):
         return float(self.simplex_volumes.sum())
 
     def geodesic_distances(
-        self, sources: ArrayLike, method: str = "auto"
+        self, sources: ArrayLike, method: GeodesicMethod = "auto"
     ) -> NDArray[np.float64]:
         """Lengths of the shortest paths along the complex from some vertices to all.
 

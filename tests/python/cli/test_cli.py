@@ -19,7 +19,7 @@ from typer.testing import CliRunner
 import remanifold as rm
 from remanifold import cli
 from remanifold.io import read_points, write_mesh
-from remanifold.method.options import METHODS
+from remanifold.method.options import CHECKS, METHODS
 
 KEYS = {
     *("input", "output", "method", "estimator", "edges", "search", "num_neighbors"),
@@ -209,7 +209,9 @@ def test_json_of_the_manifold_method(tmp_path):
     assert report["merged_samples"] == 2
     for key in ("open_faces", "holes", "boundary_components", "singular_vertices"):
         assert report[key] == 0, key
-    assert report["warnings"] == ["1 samples are outliers and were left out"]
+    assert report["warnings"] == [
+        "1 sample is an outlier and was left out; --outliers no keeps all"
+    ]
 
 
 def test_boundary_and_hole_radius(tmp_path):
@@ -228,8 +230,8 @@ def test_boundary_and_hole_radius(tmp_path):
     found = report("--hole-radius", 100)
     assert (found["boundary_components"], found["open_faces"]) == (0, 0)
     assert found["hole_radius"] == 100
-    found = report("--boundary", "closed")
-    assert (found["boundary"], found["boundary_components"]) == ("closed", 0)
+    found = report("--boundary", "no")
+    assert (found["boundary"], found["boundary_components"]) == ("no", 0)
     assert found["open_faces"] == found["holes"] == 0
     assert found["betti_numbers"] == [1, 0, 1]
 
@@ -341,12 +343,12 @@ def test_options_reach_the_library(tori, tmp_path, monkeypatch):
                 12,
             ),
             *("--estimator", "jet", "--edges", "either", "--search", "kdtree"),
-            *("--threads", 1, "--outliers", 3.5, "--smooth", 20),
+            *("--num-threads", 1, "--outliers", 3.5, "--smooth", 20),
         ).exit_code
         == 0
     )
-    options = ("--boundary", "closed", "--hole-radius", 2.5, "--significance", 0.01)
-    options += ("--outliers", "keep", "--smooth", "yes")
+    options = ("--boundary", "no", "--hole-radius", 2.5, "--significance", 0.01)
+    options += ("--outliers", "no", "--smooth", "yes")
     assert run(tori, "--dim", 2, "-o", output, *options).exit_code == 0
     defaults = {
         "method": "manifold",
@@ -414,7 +416,7 @@ def test_what_the_library_warned_of_is_said_once(tmp_path):
     assert [w.category for w in caught] == [rm.ManifoldWarning]
     result = run(
         *(tmp_path / "line.npy", "-k", 1, "-o", tmp_path / "a.ply", "--json"),
-        *("--boundary", "closed"),
+        *("--boundary", "no"),
     )
     assert result.exit_code == 0
     (said,) = json.loads(result.stdout)["warnings"]
@@ -429,19 +431,27 @@ def test_version_and_help():
     assert done.stdout == f"remanifold {rm.__version__}\n"
     result = run("--help")
     assert result.exit_code == 0
-    for option in ("--dim", "--output", "--method", "--json", "--quiet", "--threads"):
+    for option in (
+        "--dim",
+        "--output",
+        "--method",
+        "--json",
+        "--quiet",
+        "--num-threads",
+    ):
         assert option in result.stdout
     shown = " ".join(result.stdout.split())
     assert "[manifold|paper]" in shown
-    assert "[auto|closed]" in shown
+    assert "[auto|no]" in shown
     assert re.findall(r"\[default: \(?(.*?)\)?[;\]]", shown) == [
         *("manifold", "auto", "by how evenly the samples lie", "0.001"),
-        *("auto, or keep for paper", "auto, or no for paper"),
+        *("auto, or no for paper", "auto, or no for paper"),
         *(
             "3 K (K + 3) / 2, or 10 K for paper",
             "jet, or enclosure for paper",
             "mutual",
             "auto",
+            str(CHECKS),
             "auto",
             "by their names, else guessed, which is said",
             "by the suffix",
@@ -486,12 +496,12 @@ def test_import_of_the_package_is_light():
         ),
         (
             ["{tori}", "-k", "2", "-o", "{out}/a.ply", "--boundary", "open"],
-            "'open' is not one of 'auto', 'closed'",
+            "'open' is not one of 'auto', 'no'",
         ),
         (
             [
                 *("{tori}", "-k", "2", "-o", "{out}/a.ply", "--method", "paper"),
-                *("--boundary", "closed"),
+                *("--boundary", "no"),
             ],
             "'--boundary': is for --method manifold only",
         ),
@@ -509,7 +519,10 @@ def test_import_of_the_package_is_light():
             )
             for radius in ("0", "-1", "nan", "inf", "wide")
         ),
-        (["{tori}", "-k", "2", "-o", "{out}/a.ply", "--threads", "0"], "'--threads'"),
+        (
+            ["{tori}", "-k", "2", "-o", "{out}/a.ply", "--num-threads", "0"],
+            "'--num-threads'",
+        ),
         (
             ["{tori}", "-k", "2", "-o", "{out}/a.ply", "--num-neighbors", "2"],
             "num_neighbors is 2, expected at least 3",
@@ -650,3 +663,21 @@ def test_no_progress_where_there_is_no_terminal(tori, tmp_path):
     assert done.returncode == 0
     assert done.stderr == ""
     assert "\x1b" not in done.stdout
+
+
+def test_old_words_are_taken_and_said(tmp_path):
+    source = tmp_path / "circle.csv"
+    rm.io.write_points(source, rm.datasets.circle(80, random_state=0))
+    arguments = ["reconstruct", str(source), "-k", "1", "-o", str(tmp_path / "a.npz")]
+    for old, new in (
+        (["--threads", "1"], "--num-threads"),
+        (["--threads=1"], "--num-threads"),
+        (["--boundary", "closed"], "--boundary no"),
+        (["--outliers", "keep"], "--outliers no"),
+    ):
+        done = CliRunner().invoke(cli.app, [*arguments, *old])
+        assert done.exit_code == 0, done.output
+        assert f"is called {new} now" in done.stderr
+    done = CliRunner().invoke(cli.app, [*arguments, "--num-threads", "-1"])
+    assert done.exit_code == 0
+    assert "is called" not in done.stderr

@@ -327,7 +327,7 @@ def test_linear_functions_are_met():
     single = complex_.interpolate(values[:, 0], points)
     assert single.shape == (50,)
     np.testing.assert_array_equal(single, result[:, 0])
-    drawn = complex_.sample(30, rng=0)
+    drawn = complex_.sample(30, random_state=0)
     np.testing.assert_allclose(
         complex_.interpolate(values, drawn), drawn.points @ slope, atol=1e-12
     )
@@ -340,7 +340,7 @@ def test_bad_values_are_refused():
         TRIANGLE.interpolate([1, np.nan, 3], [[0, 0, 0]])
     with pytest.raises(TypeError, match="values must be real"):
         TRIANGLE.interpolate([1j, 2, 3], [[0, 0, 0]])
-    other = rm.SimplicialComplex(np.eye(3), [[0, 1], [1, 2]]).sample(3, rng=0)
+    other = rm.SimplicialComplex(np.eye(3), [[0, 1], [1, 2]]).sample(3, random_state=0)
     with pytest.raises(ValueError, match="another complex"):
         TRIANGLE.interpolate([1, 2, 3], other)
 
@@ -353,7 +353,7 @@ def test_samples_are_uniform():
     vertices = [[0, 0], [2, 0], [0, 1], [10, 0], [16, 0], [10, 1], [30, 0], [31, 0]]
     complex_ = rm.SimplicialComplex(vertices, [[0, 1, 2], [3, 4, 5], [1, 6, 7]])
     count = 40_000
-    drawn = complex_.sample(count, rng=1)
+    drawn = complex_.sample(count, random_state=1)
     assert len(drawn) == count
     in_first = drawn.simplices == 0
     assert set(drawn.simplices.tolist()) == {0, 1}
@@ -369,9 +369,9 @@ def test_samples_are_uniform():
 
 def test_samples_lie_on_the_complex_and_repeat():
     rec = rm.reconstruct(rm.datasets.torus(500, random_state=0), 2)
-    drawn = rec.sample(200, rng=7)
+    drawn = rec.sample(200, random_state=7)
     assert rec.project(drawn.points).distances.max() < 1e-15
-    np.testing.assert_array_equal(rec.sample(200, rng=7).points, drawn.points)
+    np.testing.assert_array_equal(rec.sample(200, random_state=7).points, drawn.points)
     generator = np.random.default_rng(7)
     np.testing.assert_array_equal(rec.sample(200, generator).points, drawn.points)
     assert (rec.sample(200, generator).points != drawn.points).any()
@@ -382,8 +382,8 @@ def test_samples_lie_on_the_complex_and_repeat():
 def test_bad_samples_are_refused():
     with pytest.raises(ValueError, match="num_points is -1"):
         TRIANGLE.sample(-1)
-    with pytest.raises(TypeError, match="rng must be an integer"):
-        TRIANGLE.sample(1, rng="seed")
+    with pytest.raises(TypeError, match="random_state must be an integer"):
+        TRIANGLE.sample(1, random_state="seed")
     with pytest.raises(ValueError, match="no volume"):
         TRIANGLE.subset([]).sample(1)
     flat = rm.SimplicialComplex([[0, 0], [1, 0], [2, 0]], [[0, 1, 2]])
@@ -428,3 +428,14 @@ def test_volume_of_many_simplices_is_that_of_the_shape():
             placed = rm.datasets.embed(vertices, ambient, random_state=0)
         complex_ = rm.SimplicialComplex(placed, rows)
         assert complex_.volume() == pytest.approx(math.sqrt(5), rel=1e-12)
+
+
+def test_the_old_name_of_the_seed():
+    with pytest.warns(DeprecationWarning, match="rng is called random_state now"):
+        old = TRIANGLE.sample(5, rng=3)
+    new = TRIANGLE.sample(5, random_state=3)
+    np.testing.assert_array_equal(old.points, new.points)
+    with pytest.raises(TypeError, match="give one of them"):
+        TRIANGLE.sample(5, 3, rng=3)
+    twice = [TRIANGLE.sample(5, np.random.RandomState(1)).points for _ in range(2)]
+    np.testing.assert_array_equal(*twice)

@@ -221,9 +221,157 @@ def test_four_coordinates_where_there_is_room(torus4):
         ("pyvista", "mesh", EDGES.to_pyvista),
         ("networkx", "graph", EDGES.to_networkx),
         ("scipy.sparse", "graph", EDGES.to_scipy_graph),
+        ("scipy.sparse", "graph", EDGES.to_scipy),
+        ("open3d", "open3d", EDGES.to_open3d),
     ],
 )
 def test_packages_that_are_not_installed(monkeypatch, module, extra, call):
     monkeypatch.setitem(sys.modules, module, None)
     with pytest.raises(ImportError, match=rf"pip install remanifold\[{extra}\]"):
         call()
+
+
+# --- Back again ---------------------------------------------------------------------
+
+
+def assert_same_complex(one, other):
+    np.testing.assert_array_equal(one.vertices, other.vertices)
+    np.testing.assert_array_equal(one.simplices, other.simplices)
+
+
+def test_trimesh_and_back(torus):
+    heat = {"heat": np.arange(400)}
+    back = interoperability.from_trimesh(torus.to_trimesh(heat))
+    assert_same_complex(torus, back)
+    np.testing.assert_array_equal(back.vertex_attributes["heat"], heat["heat"])
+
+
+def test_pyvista_and_back(torus):
+    pytest.importorskip("pyvista")
+    for complex in (torus, TETRAHEDRA):
+        heat = {"heat": np.arange(float(complex.num_vertices))}
+        back = interoperability.from_pyvista(complex.to_pyvista(heat))
+        assert_same_complex(complex, back)
+        np.testing.assert_array_equal(back.vertex_attributes["heat"], heat["heat"])
+    space = rm.SimplicialComplex(np.eye(3), [[0, 1], [1, 2]])
+    assert_same_complex(space, interoperability.from_pyvista(space.to_pyvista()))
+    with pytest.raises(ValueError, match="no tetrahedra, only triangles"):
+        interoperability.from_pyvista(torus.to_pyvista(), dim=3)
+
+
+def test_networkx_and_back(torus):
+    knot = rm.reconstruct(rm.datasets.trefoil(60, random_state=0), 1)
+    back = interoperability.from_networkx(knot.to_networkx())
+    np.testing.assert_array_equal(back.vertices, knot.vertices)
+    assert back.simplices.tolist() == knot.edges.tolist()
+    graph = torus.to_networkx()
+    del graph.nodes[3]["pos"]
+    with pytest.raises(ValueError, match="node 3 has no position"):
+        interoperability.from_networkx(graph)
+
+
+def test_gudhi_and_back(torus):
+    back = interoperability.from_gudhi(torus.to_gudhi(), torus.vertices)
+    np.testing.assert_array_equal(back.simplices, np.sort(torus.simplices, axis=1))
+
+
+class Vectors(np.ndarray):
+    """What Open3D's Vector3dVector and its like are to their users."""
+
+    def __new__(cls, values):
+        return np.array(values).view(cls)
+
+
+class Held:
+    """Geometry of Open3D as far as its documentation says what it has."""
+
+    def __init__(self, points, cells):
+        self.vertex_colors, self.vertex_normals = Vectors([]), Vectors([])
+        setattr(self, "points" if self.cells == "lines" else "vertices", points)
+        setattr(self, self.cells, cells)
+
+
+@pytest.fixture
+def open3d(monkeypatch):
+    """The package, or what stands for it where it is not installed."""
+    try:
+        import open3d
+    except ImportError:
+        from types import SimpleNamespace
+
+        kinds = {"LineSet": "lines", "TriangleMesh": "triangles", "TetraMesh": "tetras"}
+        geometry = {n: type(n, (Held,), {"cells": c}) for n, c in kinds.items()}
+        names = ("Vector3dVector", *(f"Vector{n}iVector" for n in (2, 3, 4)))
+        open3d = SimpleNamespace(
+            geometry=SimpleNamespace(**geometry),
+            utility=SimpleNamespace(**dict.fromkeys(names, Vectors)),
+        )
+        monkeypatch.setitem(sys.modules, "open3d", open3d)
+    return open3d
+
+
+def test_open3d_and_back(torus, open3d):
+    colors = np.linspace(0, 255, 1200).reshape(400, 3).astype(np.uint8)
+    fields = {"colors": colors, "normals": torus.vertex_normals, "heat": np.ones(400)}
+    mesh = torus.to_open3d(fields)
+    assert isinstance(mesh, open3d.geometry.TriangleMesh)
+    back = interoperability.from_open3d(mesh)
+    assert_same_complex(torus, back)
+    np.testing.assert_allclose(back.vertex_attributes["colors"], colors / 255)
+    np.testing.assert_array_equal(
+        back.vertex_attributes["normals"], torus.vertex_normals
+    )
+    space = rm.SimplicialComplex(np.eye(3), [[0, 1], [1, 2]])
+    for complex in (TETRAHEDRA, space):
+        assert_same_complex(complex, interoperability.from_open3d(complex.to_open3d()))
+
+
+def test_open3d_refuses(torus4, open3d):  # noqa: ARG001
+    with pytest.raises(ValueError, match="Open3D shows three coordinates"):
+        torus4.to_open3d()
+    with pytest.raises(ValueError, match="Open3D has no simplices of dimension 4"):
+        rm.SimplicialComplex(np.eye(5), [[0, 1, 2, 3, 4]]).to_open3d()
+
+
+def test_scipy_has_the_homology(torus, torus4):
+    klein = rm.reconstruct(rm.datasets.klein_bottle(300, random_state=0), 2)
+    ball = rm.reconstruct(rm.datasets.ball(120, random_state=0), 3)
+    for complex in (torus, torus4, klein, ball, EDGES, TETRAHEDRA):
+        matrices = complex.to_scipy()
+        assert len(matrices.boundaries) == complex.dim
+        for lower, upper in zip(
+            matrices.boundaries, matrices.boundaries[1:], strict=False
+        ):
+            assert abs(lower.astype(int) @ upper.astype(int)).sum() == 0
+        if len(complex.simplices) > 1000:
+            continue
+        # Over the rationals, which for these is over Z3.
+        ranks = [np.linalg.matrix_rank(b.toarray()) for b in matrices.boundaries]
+        counts = [len(s) for s in matrices.simplices]
+        betti = [
+            count - below - above
+            for count, below, above in zip(
+                counts, [0, *ranks], [*ranks, 0], strict=True
+            )
+        ]
+        betti[0] -= complex.num_vertices - complex.topology().num_vertices
+        assert tuple(betti) == complex.topology().betti_numbers_mod3
+
+
+def test_scipy_keeps_orientation_and_order(torus):
+    matrices = torus.to_scipy()
+    np.testing.assert_array_equal(matrices.simplices[2], torus.simplices)
+    np.testing.assert_array_equal(matrices.simplices[1], torus.edges)
+    assert matrices.boundaries[1].sum(axis=1).any() == False
+    cap = rm.reconstruct(rm.datasets.spherical_cap(300, random_state=0), 2)
+    matrices = cap.to_scipy()
+    rim = np.flatnonzero(matrices.boundaries[1].sum(axis=1))
+    expected = np.sort(cap.boundary_complex().vertex_indices)
+    np.testing.assert_array_equal(np.unique(matrices.simplices[1][rim]), expected)
+    graph = torus.to_scipy_graph()
+    assert abs(matrices.adjacency.astype(int)).sum() == 2 * len(cap.edges)
+    assert (torus.to_scipy().adjacency != (graph != 0)).nnz == 0
+
+
+def test_scipy_without_coordinates():
+    assert BY_GRAM.to_scipy().boundaries[0].shape == (60, 60)

@@ -359,7 +359,7 @@ def test_command(torus):
     assert report["dims"] == found.dims.tolist()
     assert set(report["seconds"]) == {"read", "dimension"}
 
-    options = ("--num-neighbors", 30, "--threads", 1, "--json", "--quiet")
+    options = ("--num-neighbors", 30, "--num-threads", 1, "--json", "--quiet")
     assert json.loads(run("dimension", torus, *options).stdout)["num_neighbors"] == 30
 
 

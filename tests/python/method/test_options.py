@@ -36,17 +36,17 @@ def test_reconstruct_takes_each_option_with_its_default():
 def test_the_command_line_has_each_option():
     said = CliRunner().invoke(app, ["reconstruct", "--help"], env={"COLUMNS": "200"})
     shown = set(re.findall(r"--([a-z-]+)", said.output))
-    expected = {name.replace("_", "-") for name in FIELDS} - {"checks"}
+    expected = {name.replace("_", "-") for name in FIELDS}
     assert expected <= shown
 
 
 def test_scikit_learn_has_each_option():
     estimator = pytest.importorskip("remanifold.sklearn").ManifoldReconstruction
     names = set(inspect.signature(estimator).parameters)
-    renamed = {"estimator": "tangent_estimator"}
-    # What is there for the paper's method only, and how to search.
-    left_out = {"edges", "search", "checks"}
-    assert {renamed.get(n, n) for n in FIELDS if n not in left_out} <= names
+    parameters = inspect.signature(estimator).parameters
+    given = {n: p.default for n, p in parameters.items() if n in FIELDS}
+    assert given == FIELDS
+    assert {"dim", "num_threads"} <= names
 
 
 @pytest.mark.parametrize(
@@ -65,6 +65,61 @@ def test_words_are_those_of_the_core(words, type_):
 
 def test_exact_searches_are_searches():
     assert set(module.EXACT_SEARCHES) == set(module.SEARCHES) - {"approximate"}
+
+
+def test_choices_are_literals():
+    """Of everything public: a word among few is typed as one of these words."""
+    plain = {
+        *("path", "title", "command", "format", "comment", "columns", "label", "name"),
+        *("color", "fields", "dim", "screenshot"),
+    }
+    public = [getattr(rm, name) for name in rm.__all__]
+    methods = [
+        method
+        for kind in (rm.SimplicialComplex, rm.Reconstruction)
+        for _, method in inspect.getmembers(kind, inspect.isfunction)
+    ]
+    for function in (*filter(inspect.isfunction, public), *methods):
+        if function.__name__.startswith("_"):
+            continue
+        for name, parameter in inspect.signature(function).parameters.items():
+            if isinstance(parameter.default, str) and parameter.default:
+                words = str(parameter.annotation).replace("typing.", "")
+                wide = re.search(r"\bstr\b", words)
+                assert not wide or name in plain, (function, name)
+
+
+@pytest.mark.parametrize(
+    ("count", "cores", "meant"),
+    [(None, 8, 0), (1, 8, 1), (5, 8, 5), (-1, 8, 0), (-2, 8, 7), (-9, 8, 1)],
+)
+def test_threads_are_counted_as_in_scikit_learn(count, cores, meant, monkeypatch):
+    from remanifold._base.validation import check_num_threads
+
+    monkeypatch.setattr("os.cpu_count", lambda: cores)
+    assert check_num_threads(count) == meant
+
+
+def test_all_cores_give_the_same():
+    points = rm.datasets.torus(200, random_state=0)
+    one = rm.reconstruct(points, 2, num_threads=1)
+    for count in (-1, -2, None):
+        found = rm.reconstruct(points, 2, num_threads=count)
+        assert found.digest == one.digest
+    with pytest.raises(ValueError, match="num_threads is 0, expected at least 1"):
+        rm.reconstruct(points, 2, num_threads=0)
+
+
+@pytest.mark.parametrize("name", ["io", "interoperability", "datasets", "warnings"])
+def test_modules_show_their_interface_only(name):
+    import importlib
+
+    module = importlib.import_module(f"remanifold.{name}")
+    shown = {word for word in dir(module) if not word.startswith("_")}
+    assert shown == {*module.__all__}
+    assert {word for word in dir(rm) if not word.startswith("_")} == {*rm.__all__} - {
+        "__version__"
+    }
 
 
 @pytest.mark.parametrize(
