@@ -102,6 +102,7 @@ def test_arrays_have_their_shapes(dim, kind):
         "outliers": ((0,), np.int32),
         "invalid": ((0,), np.int32),
         "attached": ((0,), np.int32),
+        "left_out": ((0,), np.int32),
     }
     if kind == "points":
         expected["vertices"] = ((n, d), np.float64)

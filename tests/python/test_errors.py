@@ -269,10 +269,12 @@ def test_too_few_samples(function, dim, argument):
 # --- Numbers and words ----------------------------------------------------------
 
 
-def integers(minimum):
+def integers(minimum, lowest=None):
+    """Lowest: where negative numbers have a meaning."""
+    lowest = minimum if lowest is None else lowest
     return [
         ("least", minimum - 1, ValueError, f"is {minimum - 1}, expected at least"),
-        ("negative", -(10**30), ValueError, f"expected at least {minimum}"),
+        ("negative", -(10**30), ValueError, f"expected at least {lowest}"),
         ("2^31", 2**31, ValueError, "expected at most 2147483647"),
         ("huge", 10**30, ValueError, "expected at most 2147483647"),
         ("float", 2.0, TypeError, r"must be an integer, got 2\.0 of type float"),
@@ -311,7 +313,7 @@ def lengths():
 NUMBERS_AND_WORDS = {
     "dim": [*integers(1), ("none", None, TypeError, "must be an integer, got None")],
     "num_neighbors": integers(1),
-    "num_threads": integers(1),
+    "num_threads": integers(1, -(2**31 - 1)),
     "checks": [*integers(1), ("none", None, TypeError, "must be an integer")],
     "method": words(*METHODS),
     "hole_radius": lengths(),

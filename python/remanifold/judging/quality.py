@@ -927,7 +927,9 @@ def _changes(found: _Findings, fewer: NDArray[np.int32]) -> bool:
 
     It is not where they were taken away from a rim: the rim moves.
     """
-    whole = found.topology or topology_of(found.simplices, len(found.own))
+    whole = found.topology or topology_of(
+        np.sort(found.simplices, axis=1), len(found.own)
+    )
     kinds = [
         (one.components, one.euler_characteristic, one.boundary_components)
         for one in (whole, topology_of(fewer, len(found.own)))

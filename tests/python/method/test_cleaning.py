@@ -395,7 +395,8 @@ def test_another_dimension_is_named_before_the_work(make, dim, fitting):
 
 def test_a_solid_of_boundary_samples_is_doubted():
     points = datasets.sphere(60, random_state=0)
-    rec = rm.reconstruct(points, 3)
+    with pytest.warns(rm.DimensionWarning, match="every sample is on the boundary"):
+        rec = rm.reconstruct(points, 3)
     assert "every sample is on the boundary" in str(rec.quality.reasons)
     assert rm.reconstruct(datasets.ball(500, random_state=0), 3).quality.ok
 

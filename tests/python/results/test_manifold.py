@@ -658,6 +658,7 @@ def ring(num):
     return np.column_stack([np.cos(angles), np.sin(angles)])
 
 
+@pytest.mark.filterwarnings("ignore::remanifold.TransposedWarning")
 @pytest.mark.parametrize("dim", [1, 2, 3, 4])
 def test_few_samples(dim):
     rng = np.random.default_rng(dim)
@@ -713,6 +714,8 @@ def polygon(num):
     return {tuple(sorted((i, (i + 1) % num))) for i in range(num)}
 
 
+@pytest.mark.filterwarnings("ignore::remanifold.TransposedWarning")
+@pytest.mark.filterwarnings("ignore::remanifold.DimensionWarning")
 @pytest.mark.parametrize("num", [3, 4, 5, 6, 7, 12, 64, 1000])
 @pytest.mark.parametrize("ambient", [2, 3, 5])
 def test_cocircular_samples(num, ambient):
