@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 import sys
 import warnings
@@ -11,7 +12,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 try:
-    from joblib import effective_n_jobs
     from sklearn.base import BaseEstimator, OneToOneFeatureMixin, TransformerMixin
     from sklearn.utils.validation import check_is_fitted, validate_data
 except ImportError as error:
@@ -34,6 +34,7 @@ from remanifold.results.reconstruct import reconstruct_samples
 from remanifold.warnings import DimensionWarning, ManifoldWarning
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from typing import Any, Literal
 
     from numpy.typing import ArrayLike, NDArray
@@ -45,6 +46,28 @@ if TYPE_CHECKING:
 __all__ = ["ManifoldReconstruction"]
 
 _NEAREST = 2.0**-24  # of the extent
+
+
+_OLD_NAMES = {
+    "n_components": "dim",
+    "tangent_estimator": "estimator",
+    "n_jobs": "num_threads",
+}
+
+
+def _with_old_names(init: Callable[..., None]) -> Callable[..., None]:
+    """Let a constructor take old names, which are no parameters to scikit-learn."""
+
+    @functools.wraps(init)
+    def with_old_names(self: object, *args: Any, **given: Any) -> None:
+        named = {**given, **dict(zip(("dim",), args, strict=False))}
+        for old, new in _OLD_NAMES.items():
+            if given.get(old) is not None:
+                given[new] = renamed(old, given[old], new, named.get(new))
+            given.pop(old, None)
+        init(self, *args, **given)
+
+    return with_old_names
 
 
 def _is_auto(dim: object) -> bool:
@@ -103,6 +126,7 @@ class ManifoldReconstruction(OneToOneFeatureMixin, TransformerMixin, BaseEstimat
     [[1.0, 0.0]]
     """
 
+    @_with_old_names
     def __init__(
         self,
         dim: int | Literal["auto"] = "auto",
@@ -119,9 +143,6 @@ class ManifoldReconstruction(OneToOneFeatureMixin, TransformerMixin, BaseEstimat
         search: Search = "auto",
         checks: int = CHECKS,
         num_threads: int | None = None,
-        n_components: int | str | None = None,
-        tangent_estimator: Estimator | None = None,
-        n_jobs: int | None = None,
     ) -> None:
         self.dim = dim
         self.method = method
@@ -136,9 +157,6 @@ class ManifoldReconstruction(OneToOneFeatureMixin, TransformerMixin, BaseEstimat
         self.search = search
         self.checks = checks
         self.num_threads = num_threads
-        self.n_components = n_components
-        self.tangent_estimator = tangent_estimator
-        self.n_jobs = n_jobs
 
     def fit(self, X: ArrayLike, y: object = None) -> ManifoldReconstruction:  # noqa: ARG002
         """Reconstruct the manifold.
@@ -159,13 +177,8 @@ class ManifoldReconstruction(OneToOneFeatureMixin, TransformerMixin, BaseEstimat
         ValueError
             Too few samples, or none that span a simplex.
         """
-        given = None if _is_auto(self.dim) else self.dim
-        dim: Any = renamed("n_components", self.n_components, "dim", given)
-        estimator = renamed(
-            "tangent_estimator", self.tangent_estimator, "estimator", self.estimator
-        )
-        renamed("n_jobs", self.n_jobs, "num_threads", self.num_threads)
-        automatic = dim is None or _is_auto(dim)
+        dim: Any = self.dim
+        automatic = _is_auto(dim)
         least = MIN_SAMPLES
         if not automatic:
             least = check_int(dim, "dim", minimum=1) + 1
@@ -180,7 +193,7 @@ class ManifoldReconstruction(OneToOneFeatureMixin, TransformerMixin, BaseEstimat
             outliers=self.outliers,
             smooth=self.smooth,
             num_neighbors=self.num_neighbors,
-            estimator=estimator,
+            estimator=self.estimator,
             edges=self.edges,
             search=self.search,
             checks=self.checks,
@@ -200,9 +213,7 @@ class ManifoldReconstruction(OneToOneFeatureMixin, TransformerMixin, BaseEstimat
         return self
 
     def _threads(self) -> int:
-        """As the core counts them; `n_jobs` means one thread where it is None."""
-        if self.n_jobs is not None:
-            return int(effective_n_jobs(self.n_jobs))
+        """As the core counts them."""
         return check_num_threads(self.num_threads)
 
     def _fit(

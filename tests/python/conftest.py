@@ -17,11 +17,11 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Few samples are in doubt, and outliers left out: the tests mean it so.
+    """Few samples are in doubt, outliers left out, few in many coordinates: it is meant so.
 
     Those of the warnings themselves catch them all the same.
     """
-    for kind in ("DoubtWarning", "DroppedWarning"):
+    for kind in ("DoubtWarning", "DroppedWarning", "TransposedWarning"):
         config.addinivalue_line("filterwarnings", f"ignore::remanifold.{kind}")
 
 

@@ -172,6 +172,9 @@ def test_a_missing_package_is_named():
         ("ball", 3, 400),
     ],
 )
+@pytest.mark.filterwarnings(
+    "ignore::remanifold.DimensionWarning"
+)  # too large and too small
 @pytest.mark.parametrize("noise", [0.0, 0.02])
 def test_a_grid_search_finds_the_dimension(shape, dim, count, noise):
     points = getattr(rm.datasets, shape)(count, random_state=0)
@@ -241,4 +244,6 @@ def test_old_names(old, new):
 
 def test_both_names_at_once_are_refused():
     with pytest.raises(TypeError, match="give one of them"):
-        ManifoldReconstruction(dim=2, n_components=2).fit(torus(100))
+        ManifoldReconstruction(dim=2, n_components=2)
+    with pytest.raises(TypeError, match="dimension"):
+        ManifoldReconstruction(dimension=2)

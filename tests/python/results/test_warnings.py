@@ -103,7 +103,7 @@ def shapes():
 @pytest.mark.parametrize(("name", "dim", "count"), [*shapes()])
 def test_what_is_doubted_at_once_is_doubted_in_the_end(name, dim, count):
     try:
-        points = getattr(rm.datasets, name)(count, random_state=1)
+        points = rm.datasets.SHAPES[name].generate(count, random_state=1)
     except ValueError:
         pytest.skip("needs more samples")
     found, rec = said(points, dim)
