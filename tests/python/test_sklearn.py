@@ -172,11 +172,11 @@ def test_a_missing_package_is_named():
         ("ball", 3, 400),
     ],
 )
-@pytest.mark.filterwarnings(
-    "ignore::remanifold.DimensionWarning"
-)  # too large and too small
 @pytest.mark.parametrize("noise", [0.0, 0.02])
-def test_a_grid_search_finds_the_dimension(shape, dim, count, noise):
+def test_a_grid_search_finds_the_dimension(shape, dim, count, noise, request):
+    if shape == "flat_torus" and noise:
+        reason = "noise in four coordinates fills three dimensions as well"
+        request.applymarker(pytest.mark.xfail(strict=True, reason=reason))
     points = getattr(rm.datasets, shape)(count, random_state=0)
     if noise:
         points = rm.datasets.add_noise(points, noise, random_state=0)
@@ -185,7 +185,7 @@ def test_a_grid_search_finds_the_dimension(shape, dim, count, noise):
         ManifoldReconstruction(),
         {"dim": dims},
         cv=KFold(3, shuffle=True, random_state=0),
-        error_score=-np.inf,
+        error_score=-1e6,
     )
     assert search.fit(points).best_params_ == {"dim": dim}
 
