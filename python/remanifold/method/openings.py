@@ -79,7 +79,7 @@ class Opening(ReadOnlyArrays):
         """The `significance` of `reconstruct` at which the decision becomes the other one.
 
         From there on the place is open, below it is closed. NaN where that does not
-        decide: for joints, for parts and for what is `given`.
+        decide: for joints, for parts and for what was given.
         """
         weighed = self.kind in ("gap", "hole") and not self.given
         return self.significance if weighed else math.nan

@@ -211,7 +211,7 @@ class Reconstruction(JudgedReconstruction, SimplicialComplex):
         Returns
         -------
         Reconstruction
-            A new one; the opening in it is `given`.
+            A new one; its opening counts as given.
 
         Raises
         ------
@@ -231,7 +231,7 @@ class Reconstruction(JudgedReconstruction, SimplicialComplex):
         Returns
         -------
         Reconstruction
-            A new one; the opening in it is `given`.
+            A new one; its opening counts as given.
 
         Raises
         ------
