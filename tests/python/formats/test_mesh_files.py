@@ -577,7 +577,7 @@ def test_attributes_of_a_complex_travel(tmp_path):
     whole.write(tmp_path / "a.stl")
     whole.write(tmp_path / "c.ply", fields=None)
     assert read_fields(tmp_path / "c.ply") == {}
-    with pytest.raises(ValueError, match="fields is 'some', expected 'auto'"):
+    with pytest.raises(ValueError, match="fields is 'some', expected one of 'auto'"):
         whole.write(tmp_path / "d.ply", fields="some")
     with pytest.raises(ValueError, match=r"vertex_attributes\['a'\] has shape \(5,\)"):
         rm.SimplicialComplex(POINTS, TRIANGLES, vertex_attributes={"a": np.ones(5)})
