@@ -110,7 +110,7 @@ class LinkRepair {
       std::vector<std::vector<Offset>> fans = fans_at({v});
       std::size_t kept = fans.size();
       for (std::size_t f = 0; f < fans.size(); ++f) {
-        if (is_whole(fans[f], v) &&
+        if (is_sphere_or_ball(complex_.link(v, fans[f])) &&
             (kept == fans.size() || fans[f].size() > fans[kept].size())) {
           kept = f;
         }
@@ -133,16 +133,6 @@ class LinkRepair {
   SimplexArray finish() { return complex_.finish(); }
 
  private:
-  /// Whether the link of v is a sphere or a ball in these simplices alone.
-  bool is_whole(const std::vector<Offset>& fan, Index v) const {
-    SimplexArray link{arity_ - 1, {}};
-    for (const Offset s : fan) {
-      std::copy_if(complex_[s], complex_[s] + arity_, std::back_inserter(link.vertices),
-                   [&](Index w) { return w != v; });
-    }
-    return is_sphere_or_ball(link);
-  }
-
   /// \param found  vertices of the connected open facets at v, or some where there are
   ///               too many
   /// \returns whether that is a hole with few vertices

@@ -409,7 +409,7 @@ class OpeningFinder {
       return;
     }
     std::vector<Offset> all = cluster;
-    extend(all, 0);
+    extend(all);
     rest.insert(rest.end(), all.begin() + static_cast<Offset>(cluster.size()),
                 all.end());
     for (const std::vector<Offset>& part : parts_of(rest)) {
@@ -459,18 +459,17 @@ class OpeningFinder {
   }
 
   void add_bridge(std::vector<Offset> bridge) {
-    extend(bridge, 0);
+    extend(bridge);
     found_.bridges.insert(found_.bridges.end(), bridge.begin(), bridge.end());
   }
 
-  /// With what is nearly as large and reached through facets from a row at `first` or
-  /// later.
-  void extend(std::vector<Offset>& rows, std::size_t first) {
+  /// With what is nearly as large and reached through facets.
+  void extend(std::vector<Offset>& rows) {
     std::vector<double> near;
     for (const Offset s : rows) {
       seen_[s] = 1;
     }
-    for (std::size_t i = first; i < rows.size(); ++i) {
+    for (std::size_t i = 0; i < rows.size(); ++i) {
       for (int j = 0; j < arity_; ++j) {
         across(rows[i], j, [&](Offset s) {
           if (seen_[s] == 0 &&

@@ -67,9 +67,12 @@ class EditableComplex {
   }
 
   /// Facets of the star of v opposite to it.
-  SimplexArray link(Index v) const {
+  SimplexArray link(Index v) const { return link(v, stars_[v]); }
+
+  /// The same of some simplices of the star alone.
+  SimplexArray link(Index v, const std::vector<Offset>& fan) const {
     SimplexArray link{arity() - 1, {}};
-    for (const Offset s : stars_[v]) {
+    for (const Offset s : fan) {
       std::copy_if(simplices_[s], simplices_[s] + arity(),
                    std::back_inserter(link.vertices), [&](Index w) { return w != v; });
     }

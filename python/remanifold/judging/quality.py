@@ -3,9 +3,10 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
@@ -292,13 +293,13 @@ ENOUGH = 1.0  # spacing over reach that is asked for when recommending
 class _Findings:
     """What is known about the samples and the result."""
 
+    rec: ReconstructionData
     dim: int
     ambient_dim: int | None
     samples: Input
     num_samples: int  # without copies
     num_simplices: int
     simplices: NDArray[np.int32]
-    topology: Topology | None  # which the first look does without
     repair: Repair
     openings: tuple[Opening, ...]
     significance: float
@@ -317,6 +318,16 @@ class _Findings:
 
     def __post_init__(self) -> None:
         self.limits = _LIMITS.get(self.dim, _MORE)
+
+    @property
+    def topology(self) -> Topology:
+        """Computed when first asked for: most first looks do without."""
+        return self.rec.topology()
+
+    @functools.cached_property
+    def rows(self) -> NDArray[np.int32]:
+        """The simplices, the vertices of each ascending."""
+        return np.sort(self.simplices, axis=1)
 
     def where(self, mask: NDArray[np.bool_]) -> NDArray[np.int64]:
         return np.flatnonzero(mask & self.own)
@@ -347,21 +358,9 @@ def assess(rec: ReconstructionData) -> Quality:
         ratio = spacing / reach
         scatter = _share(measured["scatter"], spacing)
         wide_scatter = _share(measured["wide_scatter"], spacing)
-    own = rec.representatives == np.arange(rec.num_samples)
-    own[rec.left_out] = False
-    findings = _Findings(
-        dim=rec.dim,
-        ambient_dim=rec.ambient_dim,
-        samples=source,
-        num_samples=int(np.count_nonzero(own)),
-        num_simplices=len(rec.simplices),
-        simplices=rec.simplices,
-        topology=rec.topology(),
-        repair=rec.repair,
-        openings=rec.openings,
-        significance=rec.significance,
-        own=own,
-        boundary=rec.boundary,
+    seen = _seen(rec)
+    findings = replace(
+        seen,
         spacing=spacing,
         reach=reach,
         ratio=ratio,
@@ -370,7 +369,7 @@ def assess(rec: ReconstructionData) -> Quality:
         gap=measured["gap"],
         strange=measured["nearest_strange"],
         disputed=_disputed(rec.simplices, rec.repair, rec.representatives),
-        noise=_noise(scatter[own], wide_scatter[own], rec.dim),
+        noise=_noise(scatter[seen.own], wide_scatter[seen.own], rec.dim),
     )
     signs = sorted(_signs(findings), key=lambda sign: not sign.strong)
     if len(rec.outliers) > MANY_OUTLIERS * rec.num_samples:
@@ -414,22 +413,19 @@ def assess(rec: ReconstructionData) -> Quality:
     )
 
 
-def doubts_at_once(rec: ReconstructionData) -> list[str]:
-    """Those strong signs that show in the result without measuring anything.
-
-    Each of them alone makes `assess` doubt the result.
-    """
+def _seen(rec: ReconstructionData) -> _Findings:
+    """What shows in the result, nothing being measured yet."""
     own = rec.representatives == np.arange(rec.num_samples)
     own[rec.left_out] = False
     unknown = np.broadcast_to(np.nan, rec.num_samples)
-    found = _Findings(
+    return _Findings(
+        rec=rec,
         dim=rec.dim,
         ambient_dim=rec.ambient_dim,
         samples=rec._source,
         num_samples=int(np.count_nonzero(own)),
         num_simplices=len(rec.simplices),
         simplices=rec.simplices,
-        topology=None,
         repair=rec.repair,
         openings=rec.openings,
         significance=rec.significance,
@@ -445,6 +441,14 @@ def doubts_at_once(rec: ReconstructionData) -> list[str]:
         disputed=unknown,
         noise=math.nan,
     )
+
+
+def doubts_at_once(rec: ReconstructionData) -> list[str]:
+    """Those strong signs that show in the result without measuring anything.
+
+    Each of them alone makes `assess` doubt the result.
+    """
+    found = _seen(rec)
     if found.num_simplices == 0:
         return []  # which is said already
     signs = [*_too_few(found)]
@@ -694,7 +698,6 @@ def _is_only_boundary(found: _Findings) -> bool:
 
 def _not_a_manifold(found: _Findings) -> Iterator[_Sign]:
     topology = found.topology
-    assert topology is not None
     bad = topology.singular_vertices
     if len(bad):
         yield _Sign(
@@ -914,7 +917,7 @@ def _samples_of(openings: list[Opening]) -> NDArray[np.int64]:
 
 def _matters(found: _Findings, opening: Opening) -> bool:
     """Whether the topology is another one without what goes through a closed place."""
-    rows = np.sort(found.simplices, axis=1)
+    rows = found.rows
     near = np.flatnonzero(np.isin(rows, opening.samples).all(axis=1))
     own = {*map(tuple, opening.simplices.tolist())}
     through = np.zeros(len(rows), dtype=bool)
@@ -927,12 +930,9 @@ def _changes(found: _Findings, fewer: NDArray[np.int32]) -> bool:
 
     It is not where they were taken away from a rim: the rim moves.
     """
-    whole = found.topology or topology_of(
-        np.sort(found.simplices, axis=1), len(found.own)
-    )
     kinds = [
         (one.components, one.euler_characteristic, one.boundary_components)
-        for one in (whole, topology_of(fewer, len(found.own)))
+        for one in (found.topology, topology_of(fewer, len(found.own)))
     ]
     return kinds[0] != kinds[1]
 
@@ -944,7 +944,7 @@ def _necks(found: _Findings) -> Iterator[_Sign]:
     """
     if found.dim != 2 or len(found.repair.open_faces) == 0:
         return
-    rows = np.sort(found.simplices, axis=1)
+    rows = found.rows
     on_rim = np.zeros(len(found.own), dtype=bool)
     on_rim[found.repair.open_faces] = True
     thin = np.flatnonzero(on_rim[rows].all(axis=1))
