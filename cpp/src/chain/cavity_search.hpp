@@ -11,7 +11,9 @@ namespace remanifold::detail {
 
 class CavitySearch {
  public:
+  /// Both are referred to.
   CavitySearch(const Cavities& cavities, const Execution& execution);
+  CavitySearch(const Cavities&, Execution&&) = delete;
 
   /// \returns false where max_steps did not suffice; chosen() is the best so far
   bool run(Index cavity, Index max_steps);

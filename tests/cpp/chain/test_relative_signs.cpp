@@ -67,7 +67,8 @@ TEST(RelativeSigns, AFillingHasAnOrientationWhereTheRimIsACycle) {
   SquareHole hole;
   const Cavities cavities = hole.find(7);
   const detail::CavityPart part = detail::whole_cavity(cavities, 0);
-  detail::CavitySearch search(cavities, {});
+  const Execution execution;
+  detail::CavitySearch search(cavities, execution);
   ASSERT_TRUE(search.run(0, 100));
   ASSERT_EQ(search.chosen().size(), 2U);
   const std::vector<std::int8_t> cycle = detail::relative_signs(part, apart(0));

@@ -22,10 +22,14 @@ def load(data_dir, name):
 def test_scan_from_one_side(data_dir):
     points = load(data_dir, "rawscan_bunny_one_view_bun000")["points"]
     rec = rm.reconstruct(points, 2, smooth="auto")
-    # Body, the far ear in pieces, and strips seen behind edges.
+    # Body, the far ear, and strips seen behind edges: which of these hang together is a
+    # matter of one gap, and said.
     topology = rec.topology()
     assert topology.manifold
-    assert topology.betti_numbers[::2] == (5, 0)
+    assert topology.betti_numbers[0] in (4, 5)
+    assert topology.betti_numbers[2] == 0
+    assert not rec.quality.ok
+    assert "was closed" in str(rec.quality)
     sizes = np.bincount(rec.component_labels()[rec.component_labels() >= 0])
     assert sizes.max() > 0.95 * len(points)
     assert rec.smoothing is not None
