@@ -8,9 +8,12 @@ from importlib import metadata
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 PACKAGES = ("remanifold", "numpy", "scipy", "gudhi", "hypothesis")
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
+
+settings.register_profile("thorough", max_examples=3 * settings.default.max_examples)
 
 # A background job of a script starts with Ctrl-C ignored, and so would its children.
 signal.signal(signal.SIGINT, signal.default_int_handler)

@@ -169,7 +169,7 @@ TEST(Projection, AllThreadsGiveTheSame) {
   for (const int ambient : {3, 20}) {
     const Cloud cloud = testing::gaussian(500, ambient, 6);
     const SimplexArray simplices = random_simplices(2000, 3, 500, 7);
-    const Cloud queries = testing::gaussian(1000, ambient, 8);
+    const Cloud queries = testing::gaussian(300, ambient, 8);
     const SimplexSearch one(cloud.view(), simplices, {1, nullptr});
     const SimplexSearch four(cloud.view(), simplices, {4, nullptr});
     const Projections expected = one.nearest(queries.view(), {1, nullptr});

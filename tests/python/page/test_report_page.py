@@ -375,7 +375,7 @@ def browser(tmp_path_factory):
     browser.close()
 
 
-def show(browser, path, width=1000, height=800, *, mobile=False):
+def show(browser, path, width=640, height=520, *, mobile=False):
     browser.console.clear()
     browser.requests.clear()
     browser.resize(width, height, mobile=mobile)
