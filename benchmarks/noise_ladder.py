@@ -173,7 +173,7 @@ def measure(task: Task) -> Outcome:
         seconds = time.perf_counter() - start
         found = np.unique(np.sort(found, axis=1), axis=0).astype(np.int32)
         topology = rm.compute_topology(found, len(positions), num_threads=1)
-        own = positions is not points
+        own, attached = positions is not points, np.empty(0, dtype=int)
     else:
         rec = rm.reconstruct(
             points,
@@ -184,9 +184,12 @@ def measure(task: Task) -> Outcome:
         seconds = time.perf_counter() - start
         positions, found, own = rec.vertices, np.sort(rec.simplices, axis=1), False
         topology = rec.topology()
+        attached = rec.attached
     used = np.unique(found)
     taken = 0 if own else int(strewn[used].sum())  # outliers that are vertices
+    # Attached samples are no vertices, and not lost.
     lost = 0 if own else int((~strewn).sum()) - (len(used) - taken)
+    lost -= int((~strewn[attached]).sum())
     return Outcome(
         tuple(judge(found, topology, len(used) + lost, shape)),
         seconds,

@@ -164,10 +164,10 @@ def volumes_of(simplices: Any, points: Any) -> tuple[Any, Any]:
 def inner_scales(points: Any, dim: int) -> Any:
     """As OpeningFinder::inner_scale does."""
     rank = 10 if dim == 1 else 2 * dim + 2
-    near = rm.neighborhoods(points, 3 * rank, num_threads=1)
+    count = rank if dim == 1 else 3 * rank
+    near = rm.neighborhoods(points, count, num_threads=1)
     scale = near.distances[:, rank - 1]
     around = np.concatenate([scale[:, None], scale[near.indices]], axis=1)
-    count = 3 * rank
     return np.partition(around, int(0.25 * count), axis=1)[:, int(0.25 * count)]
 
 

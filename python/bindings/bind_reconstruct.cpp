@@ -106,6 +106,7 @@ py::dict to_dict(Cleaning&& cleaning, py::ssize_t ambient_dim) {
   out["prediction_error"] = cleaning.prediction_error;
   out["remaining_error"] = cleaning.remaining_error;
   out["drowned"] = cleaning.drowned;
+  out["layers"] = cleaning.layers;
   out["growth"] = cleaning.growth;
   out["fitting_dim"] = cleaning.fitting_dim;
   out["resolution"] = cleaning.resolution;

@@ -24,6 +24,7 @@ struct Cleaning {
   double prediction_error = 0;  ///< likewise
   double remaining_error = 0;   ///< likewise
   bool drowned = false;         ///< likewise
+  bool layers = false;          ///< likewise
   double growth = 1;            ///< likewise
   int fitting_dim = 0;          ///< likewise
   /// Distance below which smoothed samples carry no more shape: of those nearer to each

@@ -56,6 +56,9 @@ struct Smoothing {
   /// The noise is as large as the shape: no neighborhood is wide enough to average it out
   /// and narrow enough to be the graph of a quadric.
   bool drowned = false;
+  /// The samples lie in two layers, not about one: what passed for noise was the distance
+  /// between them, and nothing was moved.
+  bool layers = false;
   /// With `growth` times as many samples it would not be.
   double growth = 1;
 };

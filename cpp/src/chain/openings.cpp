@@ -66,15 +66,17 @@ constexpr double kNextToBridge = 0.9;
 /// The local scale is up to 2^(1/K) times too large at a rim, where half of the
 /// neighborhood is missing; this quartile of it among the neighbors is not.
 constexpr double kInside = 0.25;
-constexpr int kInsideNeighbors = 3;  // times those that the scale spans
+/// So many neighbors are asked, times those that the scale spans: never more than are known
+/// of every sample, whatever the kind of search.
+constexpr int inside_neighbors(int dim) { return dim == 1 ? 1 : 3; }
 
 /// K = 1: an edge that is so many times longer than those next to it joins two ends. These
 /// have to continue each other: so many steps before the edge and behind it may turn by 120
 /// degrees against each other, besides what they turn on their way. A corner of the curve
-/// has an edge of length t with a chance of e^-t: from the first length on it is listed, and
-/// open from the second.
+/// has an edge of length t with a chance of e^-t, less where samples lie evenly: from this
+/// length on it is listed, and open below that chance.
 constexpr double kDoubtedJoint = 2.5;
-constexpr double kOpenJoint = 5;
+constexpr double kOpenJoint = 5;  // -log
 constexpr double kMostTurn = 2.0944;
 constexpr int kJointSteps = 6;
 /// Where the steps lead less far than this share of their length there is no direction.
@@ -120,7 +122,7 @@ class OpeningFinder {
   double inner_scale(Index x, std::vector<double>& near) const {
     const Index rank = std::min(scale_neighbors(dim_), neighborhoods_.count) - 1;
     const Index count =
-        std::min(kInsideNeighbors * scale_neighbors(dim_), neighborhoods_.count);
+        std::min(inside_neighbors(dim_) * scale_neighbors(dim_), neighborhoods_.count);
     const auto scale = [&](Index y) {
       return samples_.squared_distance(y, neighborhoods_.of(y)[rank]);
     };
@@ -282,31 +284,21 @@ class OpeningFinder {
     return ring;
   }
 
+  /// Simplices around a cluster.
+  struct Ring {
+    double samples = 0;
+    double mean = 0;  ///< volume
+    double dispersion = 1;
+  };
+
   void weigh(const std::vector<Offset>& cluster) {
-    const std::vector<Offset> ring = ring_of(cluster);
-    const double around =
-        static_cast<double>(ring.size()) / chance_.simplices_per_sample;
-    if (around < kLeastRing) {
+    if (dim_ == 1 && cluster.size() == 1 && joint_at(cluster[0]).length > 0) {
+      return;  // weighed as one
+    }
+    const Ring measured = measure_around(cluster);
+    if (measured.samples < kLeastRing) {
       return;
     }
-    double sum = 0;
-    double squares = 0;
-    for (const Offset s : ring) {
-      const double volume = ruler_.measure(simplices_[s], arity_).volume;
-      sum += volume;
-      squares += volume * volume;
-    }
-    const auto count = static_cast<double>(ring.size());
-    if (!(sum > 0)) {
-      return;
-    }
-    const double variation = std::max(0.0, squares * count / (sum * sum) - 1);
-    // Where the density changes, by that of the sparser side: the mean by volume.
-    Ring measured;
-    measured.samples = around;
-    measured.mean =
-        sum / count * std::max(1.0, (1 + variation) / (1 + chance_.variation));
-    measured.dispersion = dispersion_of(variation, around);
     Opening whole = weighed(cluster, measured);
     if (whole.expected > levels_.most_expected) {
       return;
@@ -320,6 +312,30 @@ class OpeningFinder {
       add_bridge(cluster);
     }
     found_.openings.push_back(std::move(whole));
+  }
+
+  Ring measure_around(const std::vector<Offset>& cluster) {
+    const std::vector<Offset> ring = ring_of(cluster);
+    double sum = 0;
+    double squares = 0;
+    for (const Offset s : ring) {
+      const double volume = ruler_.measure(simplices_[s], arity_).volume;
+      sum += volume;
+      squares += volume * volume;
+    }
+    const auto count = static_cast<double>(ring.size());
+    if (!(sum > 0)) {
+      return {};
+    }
+    const double around = count / chance_.simplices_per_sample;
+    const double variation = std::max(0.0, squares * count / (sum * sum) - 1);
+    // Where the density changes, by that of the sparser side: the mean by volume.
+    Ring measured;
+    measured.samples = around;
+    measured.mean =
+        sum / count * std::max(1.0, (1 + variation) / (1 + chance_.variation));
+    measured.dispersion = dispersion_of(variation, around);
+    return measured;
   }
 
   /// By what was given, or by the evidence.
@@ -338,13 +354,6 @@ class OpeningFinder {
       }
     }
   }
-
-  /// Simplices around a cluster.
-  struct Ring {
-    double samples = 0;
-    double mean = 0;  ///< volume
-    double dispersion = 1;
-  };
 
   Opening weighed(const std::vector<Offset>& cluster, const Ring& ring) const {
     Opening opening;
@@ -579,45 +588,54 @@ class OpeningFinder {
     return way;
   }
 
-  void find_joints() {
+  /// An edge between two ends that do not continue each other.
+  struct Joint {
+    double length = 0;  // 0: it is none
+    double mean = 0;    // length of the edges before and behind
+  };
+  Joint joint_at(Offset e) {
     make_stars();
-    std::vector<Offset> known = found_.bridges;
-    std::sort(known.begin(), known.end());
+    const Index a = simplices_[e][0];
+    const Index b = simplices_[e][1];
+    const double length = std::sqrt(samples_.squared_distance(a, b));
+    if (stars_.size(a) > 2 || stars_.size(b) > 2 ||
+        !(length > kDoubtedJoint * shortest_at(a, b))) {
+      return {};
+    }
+    const Way from = way_from(a, b);
+    const Way to = way_from(b, a);
+    if (from.steps < kJointSteps || to.steps < kJointSteps) {
+      return {};
+    }
+    const double mean = (from.length + to.length) / (from.steps + to.steps);
+    if (length <= kDoubtedJoint * mean || !is_straight(a, from) ||
+        !is_straight(b, to)) {
+      return {};
+    }
+    // What both sides turn by themselves they go on turning.
+    const double turn = angle(from.last, a, b, to.last);
+    const double own = angle(from.last, from.middle, from.middle, a) +
+                       angle(b, to.middle, to.middle, to.last);
+    return turn > kMostTurn + own ? Joint{length, mean} : Joint{};
+  }
+
+  void find_joints() {
     for (Offset e = 0; e < simplices_.size(); ++e) {
-      const Index a = simplices_[e][0];
-      const Index b = simplices_[e][1];
-      const double length = std::sqrt(samples_.squared_distance(a, b));
-      if (stars_.size(a) > 2 || stars_.size(b) > 2 ||
-          !(length > kDoubtedJoint * shortest_at(a, b)) ||
-          std::binary_search(known.begin(), known.end(), e)) {
+      const Joint found = joint_at(e);
+      if (!(found.length > 0)) {
         continue;
       }
-      const Way from = way_from(a, b);
-      const Way to = way_from(b, a);
-      if (from.steps < kJointSteps || to.steps < kJointSteps) {
+      const Ring ring = measure_around({e});
+      if (!(ring.samples > 0)) {
         continue;
       }
-      const double mean = (from.length + to.length) / (from.steps + to.steps);
-      if (length <= kDoubtedJoint * mean || !is_straight(a, from) ||
-          !is_straight(b, to)) {
-        continue;
-      }
-      // What both sides turn by themselves they go on turning.
-      const double turn = angle(from.last, a, b, to.last);
-      const double own = angle(from.last, from.middle, from.middle, a) +
-                         angle(b, to.middle, to.middle, to.last);
-      if (turn <= kMostTurn + own) {
-        continue;
-      }
-      Opening joint;
+      Opening joint = weighed({e}, ring);
       joint.kind = OpeningKind::kJoint;
-      joint.samples = {a, b};
-      joint.simplices = {2, {a, b}};
-      decide(joint, length > kOpenJoint * mean && levels_.significance > 0);
-      joint.volume = length;
-      joint.spacing = mean;
-      joint.missing = length / mean - 1;
-      joint.expected = std::exp(-length / mean);
+      joint.spacing = found.mean;
+      joint.missing = found.length / found.mean - 1;
+      joint.expected =
+          std::min(joint.expected, std::exp(-counted(found.length / found.mean, ring)));
+      decide(joint, joint.expected < std::exp(-kOpenJoint) && levels_.significance > 0);
       if (joint.open) {
         found_.bridges.push_back(e);
       }

@@ -58,6 +58,7 @@ void CleanSamples::run(Index count) {
     report_.prediction_error = smoothed.prediction_error * given_.scale();
     report_.remaining_error = smoothed.remaining_error * given_.scale();
     report_.drowned = smoothed.drowned;
+    report_.layers = smoothed.layers;
     report_.growth = smoothed.growth;
     report_.fitting_dim = smoothed.fitting_dim;
     if (smoothed.fitting_dim != options_.dim && options_.on_other_dim) {

@@ -65,7 +65,7 @@ constexpr double kMostTies = 0.3;
 /// The worst probes do not count, for a few outliers and creases.
 constexpr double kTrimmed = 0.05;
 /// Where the scatter is this many times the noise, the neighborhood is more than the graph
-/// of a quadric.
+/// of a quadric: it has a crease, or part of another sheet.
 constexpr double kNoGraph = 1.35;
 /// Where it has become that, and grows so fast when the neighborhood doubles as only shape
 /// can, larger sizes are not tried.
@@ -75,6 +75,11 @@ constexpr double kHopelessGrowth = 1.35;
 /// is this share of the radius of curvature.
 constexpr double kDrowningError = 0.3;
 constexpr double kDrowningNoise = 0.5;
+
+/// What has one peak and is symmetric has a kurtosis of 9/5 at least, that of even noise
+/// within limits; two layers have 1. Known up to so many standard errors.
+constexpr double kLeastKurtosis = 1.8;
+constexpr double kKurtosisErrors = 3;
 
 /// Samples nearer to each other than this many times the error that remains show it, not
 /// the shape; but the shape needs samples at this share of the radius of curvature.
@@ -91,7 +96,8 @@ constexpr Index kOverlap = 10;
 /// samples that have this weight in all are done with.
 constexpr double kBlend = 0.7;
 constexpr double kEnough = 0.15;
-/// Samples farther than this many times the scatter off a quadric are not of its sheet.
+/// Samples farther than this many times the scatter off a quadric are not of its sheet; nor
+/// is that many times the noise of all the noise of some.
 constexpr double kOwnSheet = 5;
 constexpr int kPasses = 6;
 /// Noise of this share of the radius of the neighborhoods mixes up who belongs to them:
@@ -126,6 +132,28 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
+/// Whether samples moved by so much in one normal direction each lie in two layers.
+bool are_two_layers(const std::vector<double>& squared_moves) {
+  const auto count = static_cast<double>(squared_moves.size());
+  double sum = 0;
+  double squares = 0;
+  for (const double square : squared_moves) {
+    sum += square;
+    squares += square * square;
+  }
+  const double mean = sum / count;
+  if (!(mean > 0)) {
+    return false;
+  }
+  double deviations = 0;
+  for (const double square : squared_moves) {
+    deviations += std::pow(square * square - squares / count, 2);
+  }
+  const double kurtosis = squares / count / (mean * mean);
+  const double error = std::sqrt(deviations) / count / (mean * mean);
+  return kurtosis + kKurtosisErrors * error < kLeastKurtosis;
+}
+
 /// Neighborhoods in one arrangement of the samples (the given one, or a smoothed one) with
 /// the given positions of their members, and quadrics through these.
 class Fitter {
@@ -138,6 +166,7 @@ class Fitter {
         arranged_(arranged),
         query_(search.query(execution)),
         fit_(dim),
+        part_(dim),
         same_(&given == &arranged) {}
 
   /// Loads the `count` nearest of an arranged sample, the sample itself first.
@@ -160,6 +189,24 @@ class Fitter {
     }
   }
   bool fit(Eigen::Index count) { return fit_.fit(rows_, distances_, count, same_); }
+  /// Fits to half as many while the scatter shrinks with the neighborhood. Scatter that
+  /// stays is noise, though there be more of it here than elsewhere.
+  /// \param noise  variance, where it is known
+  /// \returns false where there is no quadric at any size, down to the fewest
+  bool fit_to_part(double noise, Eigen::Index fewest) {
+    Eigen::Index count = size() / 2;
+    while (fit_.variance() > kNoGraph * kNoGraph * noise) {
+      if (count < fewest || !part_.fit(rows_, distances_, count, same_)) {
+        return false;
+      }
+      if (!(part_.variance() * kNoGraph * kNoGraph < fit_.variance())) {
+        break;
+      }
+      std::swap(fit_, part_);
+      count /= 2;
+    }
+    return !(fit_.variance() > kOwnSheet * kOwnSheet * noise);
+  }
   /// Canonical lengths of the given samples are so many of the arranged ones.
   void set_factor(double factor) { factor_ = factor; }
 
@@ -173,6 +220,7 @@ class Fitter {
   const Samples& arranged_;
   std::unique_ptr<NeighborSearch::Query> query_;
   LocalQuadric fit_;
+  LocalQuadric part_;
   bool same_;
   double factor_ = 1;
   std::vector<Neighbor> found_;
@@ -205,6 +253,8 @@ struct Choice {
   double radius = 0;
   double curvature = 0;
   bool noisy = false;
+  double narrow_noise = 0;  // at most, by narrow neighborhoods
+  double narrow_risk = 0;
   double drowning = 0;  // drowned from 1 on
   int fitting_dim = 0;
 };
@@ -219,12 +269,8 @@ class Smoother {
         unknowns_(LocalQuadric::unknowns(options.dim)) {}
 
   Smoothing run(const NeighborSearch& search) {
-    Smoothing result;
     const Choice choice = samples_.size() > unknowns_ ? choose(search) : Choice{};
-    result.noise = std::sqrt(choice.noise);
-    result.prediction_error = std::sqrt(choice.noise + choice.risk);
-    result.remaining_error = result.noise;
-    result.fitting_dim = choice.fitting_dim > 0 ? choice.fitting_dim : options_.dim;
+    Smoothing result = judged(choice.noise, choice.risk, choice.fitting_dim);
     if (options_.only_noise && !choice.noisy) {
       return result;
     }
@@ -242,6 +288,9 @@ class Smoother {
     // At the best size the error falls with this power of the number of samples.
     result.growth =
         std::pow(std::max(1.0, choice.drowning), (8.0 + options_.dim) / 4.0);
+    if (choice.noisy && options_.num_neighbors == 0) {
+      noise_ = choice.noise;
+    }
     result.points = project(samples_, search, count);
     result.rounds = 1;
     const double one_way =
@@ -253,10 +302,36 @@ class Smoother {
       result.points = project(moved, again, count);
       ++result.rounds;
     }
+    if (options_.only_noise && samples_.ambient_dim() - options_.dim == 1 &&
+        are_two_layers(squared_moves(result.points))) {
+      result = judged(choice.narrow_noise, choice.narrow_risk, choice.fitting_dim);
+      result.layers = true;
+    }
     return result;
   }
 
  private:
+  Smoothing judged(double noise, double risk, int fitting_dim) const {
+    Smoothing result;
+    result.noise = std::sqrt(noise);
+    result.prediction_error = std::sqrt(noise + risk);
+    result.remaining_error = result.noise;
+    result.fitting_dim = fitting_dim > 0 ? fitting_dim : options_.dim;
+    return result;
+  }
+
+  std::vector<double> squared_moves(const std::vector<double>& points) const {
+    const auto dim = static_cast<std::size_t>(samples_.ambient_dim());
+    std::vector<double> squares(samples_.size(), 0.0);
+    for (Index x = 0; x < samples_.size(); ++x) {
+      for (std::size_t axis = 0; axis < dim; ++axis) {
+        const double move = points[x * dim + axis] - samples_.point(x)[axis];
+        squares[x] += move * move;
+      }
+    }
+    return squares;
+  }
+
   Index size_of(int level) const {
     return static_cast<Index>(
         std::ceil(kFirstSize * unknowns_ * std::pow(2.0, level / 2.0)));
@@ -403,8 +478,8 @@ class Smoother {
         measure(search, kNarrowest, kWide, kNarrow - kNarrowest, few);
     // Where it is not noise, most of it is that of a few probes at creases and between
     // sheets.
-    choice.noise = test[0].typical;
-    choice.risk = choice.noise * test[0].gain;
+    choice.noise = choice.narrow_noise = test[0].typical;
+    choice.risk = choice.narrow_risk = choice.noise * test[0].gain;
     choice.gain = test[1].gain;
     choice.radius = test[1].radius;
     choice.num_neighbors = test[1].count;
@@ -445,6 +520,16 @@ class Smoother {
         flat = k;
       }
     }
+    // Neighborhoods wider than two sheets are apart have another such size.
+    for (std::size_t k = 0; k < flat; ++k) {
+      const bool grows =
+          std::any_of(levels.begin() + static_cast<Offset>(k),
+                      levels.begin() + static_cast<Offset>(flat),
+                      [](const Level& level) { return level.growth > kShapeGrowth; });
+      if (levels[k].growth < kPlateau && grows) {
+        flat = k;
+      }
+    }
     choice.noise = levels[flat].scatter;
     double best = kEverywhere;
     for (const Level& level : levels) {
@@ -479,9 +564,11 @@ class Smoother {
                    choice.num_neighbors >= kLeastNoisySize * unknowns_ &&
                    choice.risk < kWorthIt * kWorthIt * choice.noise &&
                    std::sqrt(choice.noise) > kLeastNoise * nearest;
+    choice.narrow_noise = std::min(choice.noise, test[0].typical);
+    choice.narrow_risk = choice.narrow_noise * test[0].gain;
     if (!choice.noisy && options_.only_noise) {
-      choice.noise = std::min(choice.noise, test[0].typical);
-      choice.risk = choice.noise * test[0].gain;
+      choice.noise = choice.narrow_noise;
+      choice.risk = choice.narrow_risk;
     }
     const double one_way =
         std::sqrt(choice.noise / std::max(1, samples_.ambient_dim() - options_.dim));
@@ -596,13 +683,13 @@ class Smoother {
   template <class Shares>
   void share(Fitter& fitter, bool own_only, Shares& shares,
              std::vector<double>& moves) const {
-    if (!fitter.fit(fitter.size())) {
+    if (!fitter.fit(fitter.size()) || !fitter.fit_to_part(noise_, size_of(0))) {
       return;
     }
     const LocalQuadric& quadric = fitter.quadric();
     const auto dim = static_cast<Eigen::Index>(samples_.ambient_dim());
     const double widest = kOwnSheet * kOwnSheet * quadric.variance();
-    const Eigen::Index size = own_only ? 1 : fitter.size();
+    const Eigen::Index size = own_only ? 1 : quadric.squared_residuals().size();
     for (Eigen::Index i = 0; i < size; ++i) {
       const double ratio = quadric.tangential(i) / kBlend;
       const bool own = i == 0;
@@ -622,6 +709,8 @@ class Smoother {
   const SmoothingOptions& options_;
   const Execution& execution_;
   int unknowns_;
+  /// Variance; neighborhoods with more scatter are looked at once more.
+  double noise_ = kEverywhere;
 };
 
 }  // namespace

@@ -176,9 +176,6 @@ class _Limits:
     # Balls that large expected among as many samples at random: powers of ten.
     gap: float
     some_gap: float
-    # Chance of a gap as large as one that was closed, up to which that is in doubt. Along
-    # a curve nothing else tells of one.
-    rare_gap: float
     # Spacing over reach at 5 % of the samples, tangent confidence at 5 %, and scatter
     # about the fits over the spacing, which for curves takes the place of the first.
     some_ratio: float
@@ -202,7 +199,6 @@ _CURVES = _Limits(
     some_opening=0,
     gap=-4,
     some_gap=-2,
-    rare_gap=0.15,
     some_ratio=2.45,
     some_confidence=0.4,
     scatter=0.4,
@@ -223,7 +219,6 @@ _SURFACES = _Limits(
     some_opening=1.0,
     gap=-2.3,
     some_gap=-0.7,
-    rare_gap=0.08,
     some_ratio=2.0,
     some_confidence=0.3,
 )
@@ -242,7 +237,6 @@ _THREE = _Limits(
     some_opening=0.5,
     gap=-2.3,
     some_gap=-1,
-    rare_gap=0.08,
     some_ratio=2.25,
     some_confidence=0.25,
 )
@@ -261,7 +255,6 @@ _MORE = _Limits(
     some_opening=0.3,
     gap=-2.3,
     some_gap=-1,
-    rare_gap=0.08,
     some_ratio=2.25,
     some_confidence=0.25,
 )
@@ -275,6 +268,9 @@ LONG_EDGE = 1.2  # spacings
 MOST_LONG_EDGES = 50  # that are looked at
 CROSSING = 0.5  # distance of a sample from the middle over half the length
 MOST_OPENED = 10  # closed places that are taken out to see what that does
+# Chance of a gap as large as one that was closed, up to which that is in doubt: so many of
+# the results that are right are doubted for it.
+RARE_GAP = 0.04
 SURE = 0.1  # of the significance, below which an opening is beyond doubt
 # What has one peak and is symmetric has a kurtosis of 9/5 at least: that of even noise
 # within limits. Two layers have 1. Known up to so many standard errors.
@@ -986,7 +982,7 @@ def _close_decisions(found: _Findings) -> Iterator[_Sign]:
         for opening in found.openings
         if opening.decision == "closed"
         and not opening.given
-        and opening.significance <= found.limits.rare_gap
+        and opening.significance <= RARE_GAP
     ]
     # The least likely first; among many the rest counts without a look.
     wide.sort(key=lambda opening: opening.significance)

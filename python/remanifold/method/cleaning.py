@@ -64,6 +64,9 @@ class Smoothing(ReadOnlyArrays):
     drowned : bool
         The noise is as large as the shape: no neighborhood is wide enough to average it
         out and narrow enough to be the graph of a quadric.
+    layers : bool
+        The samples lie in two layers rather than about one, as noise would: ``"auto"`` took
+        the distance between them for no noise and moved nothing.
     enough_samples : int or None
         About how many samples would do, where it has drowned.
     fitting_dim : int or None
@@ -81,6 +84,7 @@ class Smoothing(ReadOnlyArrays):
     drowned: bool = False
     enough_samples: int | None = None
     fitting_dim: int | None = None
+    layers: bool = False
 
     def __repr__(self) -> str:
         return one_line(
@@ -93,6 +97,7 @@ class Smoothing(ReadOnlyArrays):
             rounds=self.rounds,
             resolution=rounded(self.resolution) if self.resolution else None,
             drowned=True if self.drowned else None,
+            layers=True if self.layers else None,
         )
 
     @property
@@ -270,6 +275,7 @@ def smoothing_of(
         remaining_error=report["remaining_error"],
         resolution=report["resolution"],
         drowned=report["drowned"],
+        layers=report["layers"],
         enough_samples=(
             two_digits(len(given) * report["growth"]) if report["drowned"] else None
         ),

@@ -109,6 +109,49 @@ INSTANTIATE_TEST_SUITE_P(Dimensions, SmoothingOfSpheres,
                          ::testing::Values(std::tuple(1, 2000), std::tuple(2, 4000),
                                            std::tuple(3, 6000)));
 
+/// Independent samples of two segments so many of their spacings apart.
+Cloud two_segments(double spacings, double noise) {
+  const Cloud draws = testing::gaussian(800, 2, 7);
+  Cloud cloud{{}, 2};
+  for (Index i = 0; i < draws.size(); ++i) {
+    // Uniform: the normal distribution function of a normal.
+    const double x = 0.5 * std::erfc(-draws[i][0] / std::sqrt(2.0));
+    cloud.points.push_back(x);
+    cloud.points.push_back((i % 2 * spacings + noise * draws[i][1]) / 400);
+  }
+  return cloud;
+}
+
+TEST(Smoothing, KeepsToOneSheet) {
+  for (const double spacings : {12.5, 25.0}) {
+    const double noise = 0.3;
+    const Cloud cloud = two_segments(spacings, noise);
+    const Samples samples = Samples::from_points(cloud.view());
+    const Smoothing one = smoothed(cloud, 1);
+    ASSERT_FALSE(one.points.empty());
+    // Neighborhoods are wider than the two are apart.
+    EXPECT_GT(one.num_neighbors, spacings);
+    EXPECT_NEAR(one.noise * samples.scale() * 400, noise, 0.2 * noise);
+    double farthest = 0;
+    for (Index i = 0; i < samples.size(); ++i) {
+      const double from = samples.point(i)[1];
+      const double move = (one.points[2 * i + 1] - from) * samples.scale() * 400;
+      farthest = std::max(farthest, std::abs(move));
+    }
+    EXPECT_LT(farthest, 5 * noise);
+  }
+}
+
+TEST(Smoothing, TakesTwoLayersForNoNoise) {
+  const Cloud cloud = two_segments(3, 0);
+  const Smoothing one = smoothed(cloud, 1);
+  EXPECT_TRUE(one.layers);
+  EXPECT_TRUE(one.points.empty());
+  EXPECT_EQ(one.num_neighbors, 0);
+  // Asked for, they are joined.
+  EXPECT_FALSE(smoothed(cloud, 1, 60).points.empty());
+}
+
 TEST(Smoothing, KnowsNoiseThatDrownsTheShape) {
   const Smoothing drowned = smoothed(noisy(testing::sphere(3000, 2, 1), 0.35), 2);
   EXPECT_TRUE(drowned.drowned || drowned.fitting_dim == 3);

@@ -148,7 +148,7 @@ def test_disputed_shares_count_stars():
 def test_products_tell_as_much_as_points(name):
     shape = datasets.SHAPES[name]
     points = shape.generate(200, random_state=5)
-    known = reconstruct(points, shape.dim).quality
+    known = reconstruct(points, shape.dim, smooth=False).quality
     for given in ({"gram": points @ points.T}, {"distances": cdist(points, points)}):
         q = reconstruct(dim=shape.dim, **given).quality
         for field in ("spacing", "curvature", "reach", "tangent_confidence"):
@@ -373,12 +373,19 @@ def two_segments(rng, spacings, noise=0.0):
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_layers_that_smoothing_joins_are_told(seed):
-    rec = reconstruct(two_segments(np.random.default_rng(seed), 3.0), 1)
-    assert rec.smoothing.moved
-    assert rec.topology().components == 1
-    assert "joined two layers" in str(rec.quality)
-    assert not rec.quality.ok
+def test_layers_are_no_noise(seed):
+    points = two_segments(np.random.default_rng(seed), 3.0)
+    rec = reconstruct(points, 1)
+    assert rec.smoothing.layers
+    assert not rec.smoothing.moved
+    assert "layers" in repr(rec.smoothing)
+    apart = reconstruct(points, 1, smooth=False)
+    np.testing.assert_array_equal(rec.simplices, apart.simplices)
+    joined = reconstruct(points, 1, smooth=True)
+    assert joined.smoothing.moved
+    assert joined.topology().components == 1
+    assert "joined two layers" in str(joined.quality)
+    assert not joined.quality.ok
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -389,9 +396,20 @@ def test_noise_of_one_layer_is_none_of_two(seed):
     assert "smoothing" not in str(rec.quality)
 
 
-def test_samples_moved_beyond_noise_are_told():
+@pytest.mark.parametrize(("spacings", "noise"), [(12.5, 0.5), (18.0, 0.2), (25.0, 0.1)])
+def test_smoothing_keeps_to_one_sheet(spacings, noise):
     """At their ends the two are within each other's neighborhoods."""
-    rec = reconstruct(two_segments(np.random.default_rng(1), 18.0, 0.2), 1)
+    rec = reconstruct(two_segments(np.random.default_rng(1), spacings, noise), 1)
+    assert rec.smoothing.moved
+    assert rec.topology().components == 2
+    assert not any("moved" in reason.text for reason in rec.quality.reasons)
+    heights = rec.vertices[:, 1] * 200
+    away = np.minimum(np.abs(heights), np.abs(heights - spacings))
+    assert away.max() < 4 * noise
+
+
+def test_samples_moved_beyond_noise_are_told():
+    rec = reconstruct(two_segments(np.random.default_rng(1), 18.0, 0.2), 1, smooth=36)
     assert rec.smoothing.moved
     (reason,) = (r for r in rec.quality.reasons if "moved" in r.text)
     assert not rec.quality.ok
