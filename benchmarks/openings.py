@@ -325,10 +325,16 @@ class Family:
 
     @property
     def shows_it(self) -> bool:
-        """Whether so many are missing that chance leaves such a gap in 5 % of data."""
-        expected = len(self.points) * RATE[self.dim]
-        expected *= math.exp(-DECAY[self.dim] * self.missing)
-        return expected < 0.05
+        """Whether chance leaves such a gap in fewer than 5 % of data.
+
+        Simplices with as large an empty ball are expected among independent samples as
+        Miles (1974) has it: what it holds is distributed as Gamma(K).
+        """
+        if math.isinf(self.missing):
+            return True
+        terms = [self.missing**i / math.factorial(i) for i in range(self.dim)]
+        expected = len(self.points) * SIMPLICES[self.dim] * sum(terms)
+        return expected * math.exp(-self.missing) < 0.05
 
 
 def family(seed: int) -> Family:
@@ -428,8 +434,8 @@ def _rolled(rng: Any, gap: float, kind: str) -> Family:
     slit = min(gap * spacing, np.pi)
     flat = _plane(rng, num, kind, 2 / (2 * np.pi - slit))
     angle, height = flat[:, 0] * (2 * np.pi - slit), flat[:, 1] * (2 * np.pi - slit)
-    # Edges of two spacings are common: nothing shows a narrower slit, however long.
-    missing = slit * 2 / spacing**2 if gap >= 2 else 0.0
+    # Edges of three spacings are common: nothing shows a narrower slit, however long.
+    missing = slit * 2 / spacing**2 if gap >= 3 else 0.0
     return Family(
         "rolled sheet",
         2,

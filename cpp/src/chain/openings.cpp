@@ -71,14 +71,16 @@ constexpr double kInside = 0.25;
 constexpr int inside_neighbors(int dim) { return dim == 1 ? 1 : 3; }
 
 /// K = 1: an edge that is so many times longer than those next to it joins two ends. These
-/// have to continue each other: so many steps before the edge and behind it may turn by 120
-/// degrees against each other, besides what they turn on their way. A corner of the curve
-/// has an edge of length t with a chance of e^-t, less where samples lie evenly: from this
-/// length on it is listed, and open below that chance.
-constexpr double kDoubtedJoint = 2.5;
-constexpr double kOpenJoint = 5;  // -log
+/// have to continue each other: so many steps before the edge and behind it, or as many as
+/// lead as far, may turn by 120 degrees against each other, besides what they turn on their
+/// way. A corner of the curve has an edge of length t with a chance of e^-t, less where
+/// samples lie evenly: it is listed below the first chance, and open below the second.
+constexpr double kLongJoint = 1.5;
+constexpr double kDoubtedJoint = 2.5;  // -log
+constexpr double kOpenJoint = 5;
 constexpr double kMostTurn = 2.0944;
 constexpr int kJointSteps = 6;
+constexpr int kMostJointSteps = 24;
 /// Where the steps lead less far than this share of their length there is no direction.
 constexpr double kStraight = 0.5;
 
@@ -560,16 +562,19 @@ class OpeningFinder {
     return count;
   }
 
-  /// The way along a curve from an end, away from the other end of its edge.
+  /// The way along a curve from an end, away from the other end of its edge, as long as
+  /// that is, to tell a direction.
   struct Way {
     Index last = -1;
     Index middle = -1;
     int steps = 0;
     double length = 0;
   };
-  Way way_from(Index v, Index before) const {
+  Way way_from(Index v, Index before, double length) const {
+    std::array<Index, kMostJointSteps + 1> passed{v};
     Way way{v, v, 0, 0};
-    while (way.steps < kJointSteps) {
+    while (way.steps < kMostJointSteps &&
+           (way.steps < kJointSteps || way.length < length)) {
       Index after = -1;
       for (const Index* s = stars_.begin(way.last); s != stars_.end(way.last); ++s) {
         const Index* edge = simplices_[*s];
@@ -583,8 +588,9 @@ class OpeningFinder {
       before = way.last;
       way.last = after;
       ++way.steps;
-      way.middle = way.steps == kJointSteps / 2 ? after : way.middle;
+      passed[way.steps] = after;
     }
+    way.middle = passed[way.steps / 2];
     return way;
   }
 
@@ -599,17 +605,16 @@ class OpeningFinder {
     const Index b = simplices_[e][1];
     const double length = std::sqrt(samples_.squared_distance(a, b));
     if (stars_.size(a) > 2 || stars_.size(b) > 2 ||
-        !(length > kDoubtedJoint * shortest_at(a, b))) {
+        !(length > kLongJoint * shortest_at(a, b))) {
       return {};
     }
-    const Way from = way_from(a, b);
-    const Way to = way_from(b, a);
+    const Way from = way_from(a, b, length);
+    const Way to = way_from(b, a, length);
     if (from.steps < kJointSteps || to.steps < kJointSteps) {
       return {};
     }
     const double mean = (from.length + to.length) / (from.steps + to.steps);
-    if (length <= kDoubtedJoint * mean || !is_straight(a, from) ||
-        !is_straight(b, to)) {
+    if (length <= kLongJoint * mean || !is_straight(a, from) || !is_straight(b, to)) {
       return {};
     }
     // What both sides turn by themselves they go on turning.
@@ -626,15 +631,16 @@ class OpeningFinder {
         continue;
       }
       const Ring ring = measure_around({e});
-      if (!(ring.samples > 0)) {
+      const double weight =
+          ring.samples > 0 ? counted(found.length / found.mean, ring) : 0;
+      if (weight <= kDoubtedJoint) {
         continue;
       }
       Opening joint = weighed({e}, ring);
       joint.kind = OpeningKind::kJoint;
       joint.spacing = found.mean;
       joint.missing = found.length / found.mean - 1;
-      joint.expected =
-          std::min(joint.expected, std::exp(-counted(found.length / found.mean, ring)));
+      joint.expected = std::min(joint.expected, std::exp(-weight));
       decide(joint, joint.expected < std::exp(-kOpenJoint) && levels_.significance > 0);
       if (joint.open) {
         found_.bridges.push_back(e);

@@ -76,6 +76,12 @@ constexpr double kHopelessGrowth = 1.35;
 constexpr double kDrowningError = 0.3;
 constexpr double kDrowningNoise = 0.5;
 
+/// Nor is it noise where the narrowest neighborhoods have less than this share of the
+/// scatter, and are thin, compared with how wide they are: one sheet of several. (Noise of
+/// more than a spacing has less of it in narrow ones as well, but these are as thick as
+/// wide.)
+constexpr double kShareInNarrow = 0.5;
+constexpr double kThin = 0.5;
 /// What has one peak and is symmetric has a kurtosis of 9/5 at least, that of even noise
 /// within limits; two layers have 1. Known up to so many standard errors.
 constexpr double kLeastKurtosis = 1.8;
@@ -253,6 +259,7 @@ struct Choice {
   double radius = 0;
   double curvature = 0;
   bool noisy = false;
+  bool layers = false;
   double narrow_noise = 0;  // at most, by narrow neighborhoods
   double narrow_risk = 0;
   double drowning = 0;  // drowned from 1 on
@@ -272,6 +279,7 @@ class Smoother {
     const Choice choice = samples_.size() > unknowns_ ? choose(search) : Choice{};
     Smoothing result = judged(choice.noise, choice.risk, choice.fitting_dim);
     if (options_.only_noise && !choice.noisy) {
+      result.layers = choice.layers;
       return result;
     }
     const Index count = std::min(
@@ -564,6 +572,10 @@ class Smoother {
                    choice.num_neighbors >= kLeastNoisySize * unknowns_ &&
                    choice.risk < kWorthIt * kWorthIt * choice.noise &&
                    std::sqrt(choice.noise) > kLeastNoise * nearest;
+    choice.layers = choice.noisy &&
+                    test[0].typical < kShareInNarrow * kShareInNarrow * choice.noise &&
+                    test[0].thickness < kThin * kThin;
+    choice.noisy = choice.noisy && !choice.layers;
     choice.narrow_noise = std::min(choice.noise, test[0].typical);
     choice.narrow_risk = choice.narrow_noise * test[0].gain;
     if (!choice.noisy && options_.only_noise) {

@@ -266,10 +266,11 @@ MANY_OUTLIERS = 0.05  # share of the samples
 FEW = 20_000  # samples among which crossings are looked for without a sign
 LONG_EDGE = 1.2  # spacings
 MOST_LONG_EDGES = 50  # that are looked at
+LEAST_SHEET = 16  # triangles
 CROSSING = 0.5  # distance of a sample from the middle over half the length
 MOST_OPENED = 10  # closed places that are taken out to see what that does
 # Chance of a gap as large as one that was closed, up to which that is in doubt: so many of
-# the results that are right are doubted for it.
+# the results that are right are doubted for it. Joints are in doubt in any case.
 RARE_GAP = 0.04
 SURE = 0.1  # of the significance, below which an opening is beyond doubt
 # What has one peak and is symmetric has a kurtosis of 9/5 at least: that of even noise
@@ -553,6 +554,7 @@ def _signs(found: _Findings) -> Iterator[_Sign]:
         yield from _openings(found)
         yield from _close_decisions(found)
         yield from _necks(found)
+        yield from _bridges(found)
         yield from _parts(found)
         yield from _disputes(found)
         yield from _sparsity(found)
@@ -962,6 +964,45 @@ def _necks(found: _Findings) -> Iterator[_Sign]:
         )
 
 
+def _bridges(found: _Findings) -> Iterator[_Sign]:
+    """Places one edge wide between two sheets: the edge reaches from rim to rim."""
+    if found.dim != 2 or len(found.repair.open_faces) == 0:
+        return
+    rows = found.rows
+    on_rim = np.zeros(len(found.own), dtype=bool)
+    on_rim[found.repair.open_faces] = True
+    at_rim = np.flatnonzero(np.count_nonzero(on_rim[rows], axis=1) >= 2)
+    edges = rows[at_rim][:, [[0, 1], [0, 2], [1, 2]]]
+    of_edge = np.repeat(at_rim, 3)
+    edges, number = np.unique(edges.reshape(-1, 2), axis=0, return_inverse=True)
+    inside = on_rim[edges].all(axis=1) & (np.bincount(number.ravel()) == 2)
+    crossed = np.unique(of_edge[inside[number.ravel()]])
+    if len(crossed) == 0:
+        return
+    rest = np.delete(rows, crossed, axis=0)
+    sets = _core.face_sets(rest)
+    wide = np.bincount(sets) >= LEAST_SHEET if len(rest) else np.empty(0, dtype=bool)
+    whole = np.count_nonzero(np.bincount(_core.face_sets(rows)) >= LEAST_SHEET)
+    if np.count_nonzero(wide) <= whole:
+        return
+    sheet = np.full(len(found.own), -1)
+    sheet[rest[wide[sets]].ravel()] = np.repeat(sets[wide[sets]], 3)
+    between = np.concatenate([rows[crossed], rest[~wide[sets]]])
+    parts = _core.face_sets(between)
+    bridges = []
+    for part in range(int(parts.max()) + 1):
+        samples = np.unique(between[parts == part])
+        if len(np.unique(sheet[samples][sheet[samples] >= 0])) >= 2:
+            bridges.append(samples)
+    if bridges:
+        yield _Sign(
+            True,
+            f"{_count(len(bridges), 'bridge')} one edge wide: the sheets that it joins "
+            "may be apart; more samples there would tell",
+            np.concatenate(bridges).astype(np.int64),
+        )
+
+
 def _needed(found: _Findings, opening: Opening) -> str:
     """How many samples more or less missing would decide otherwise."""
     if not 0 < found.significance < 1 or not opening.expected > 0:
@@ -982,7 +1023,7 @@ def _close_decisions(found: _Findings) -> Iterator[_Sign]:
         for opening in found.openings
         if opening.decision == "closed"
         and not opening.given
-        and opening.significance <= RARE_GAP
+        and (opening.kind == "joint" or opening.significance <= RARE_GAP)
     ]
     # The least likely first; among many the rest counts without a look.
     wide.sort(key=lambda opening: opening.significance)

@@ -304,6 +304,42 @@ def test_a_bridge_between_rims_is_doubted(seed):
     assert betti(rec) == (1, 1, 0) or "neck" in str(rec.quality)
 
 
+@pytest.mark.parametrize(("rows", "told"), [(2, True), (5, False)])
+def test_a_bridge_one_edge_wide_is_told(rows, told):
+    """Two sheets joined by a strip of so many rows of samples."""
+    x, y = (c.ravel().astype(float) for c in np.meshgrid(np.arange(40), np.arange(20)))
+    away = np.abs(x - 19.5) > 5
+    points = np.c_[x, y, 0 * x][away | (np.abs(y - 9.5) <= rows / 2)]
+    points[:, :2] += np.random.default_rng(0).uniform(-0.2, 0.2, (len(points), 2))
+    rec = rm.reconstruct(points, 2)
+    assert betti(rec) == (1, 0, 0)
+    assert ("one edge wide" in str(rec.quality)) == told
+
+
+@pytest.mark.parametrize("spacings", [4.0, 5.0, 9.0])
+def test_even_ends_side_by_side_stay_apart(spacings):
+    """Where samples lie evenly less of a gap is evidence."""
+    rng = np.random.default_rng(3)
+    line = (np.arange(150) + rng.uniform(-0.3, 0.3, 150)) / 150
+    points = np.r_[np.c_[line, 0 * line], np.c_[line, 0 * line + spacings / 150]]
+    rec = rm.reconstruct(points, 1)
+    assert betti(rec) == (2, 0)
+    assert rec.quality.ok
+    joints = [one for one in rec.openings if one.kind == "joint"]
+    assert len(joints) == 2
+    assert all(one.decision == "open" and one.dispersion < 0.7 for one in joints)
+
+
+def test_products_tell_as_much_of_gaps_as_points():
+    """However many neighbors the search has found."""
+    points = datasets.trefoil(200, random_state=5)
+    known = rm.reconstruct(points, 1, smooth=False).openings
+    given = rm.reconstruct(gram=points @ points.T, dim=1).openings
+    assert len(known) == len(given) > 0
+    for one, other in zip(known, given, strict=True):
+        assert one.expected == pytest.approx(other.expected, rel=1e-6)
+
+
 @pytest.mark.parametrize("build", [band, moebius_band, rolled_sheet])
 def test_a_band_of_some_spacings_is_no_neck(build):
     rec = reconstruct(build(np.random.default_rng(0)), 2)
