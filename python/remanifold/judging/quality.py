@@ -326,6 +326,13 @@ class _Findings:
         """The simplices, the vertices of each ascending."""
         return np.sort(self.simplices, axis=1)
 
+    @functools.cached_property
+    def on_rim(self) -> NDArray[np.bool_]:
+        """Samples of open faces."""
+        marked = np.zeros(len(self.own), dtype=bool)
+        marked[self.repair.open_faces] = True
+        return marked
+
     def where(self, mask: NDArray[np.bool_]) -> NDArray[np.int64]:
         return np.flatnonzero(mask & self.own)
 
@@ -942,9 +949,7 @@ def _necks(found: _Findings) -> Iterator[_Sign]:
     """
     if found.dim != 2 or len(found.repair.open_faces) == 0:
         return
-    rows = found.rows
-    on_rim = np.zeros(len(found.own), dtype=bool)
-    on_rim[found.repair.open_faces] = True
+    rows, on_rim = found.rows, found.on_rim
     thin = np.flatnonzero(on_rim[rows].all(axis=1))
     if len(thin) == 0 or len(thin) == len(rows):
         return
@@ -968,9 +973,7 @@ def _bridges(found: _Findings) -> Iterator[_Sign]:
     """Places one edge wide between two sheets: the edge reaches from rim to rim."""
     if found.dim != 2 or len(found.repair.open_faces) == 0:
         return
-    rows = found.rows
-    on_rim = np.zeros(len(found.own), dtype=bool)
-    on_rim[found.repair.open_faces] = True
+    rows, on_rim = found.rows, found.on_rim
     at_rim = np.flatnonzero(np.count_nonzero(on_rim[rows], axis=1) >= 2)
     edges = rows[at_rim][:, [[0, 1], [0, 2], [1, 2]]]
     of_edge = np.repeat(at_rim, 3)
