@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Convex hull of points around the origin of the plane, grown one point at a time: for
-// K = 2 there is one a sample, of about six vertices, and nothing else would pay. The sign
-// of an orientation comes from the rounded determinant where that is certain and from
-// CGAL's exact predicate where it is not, so that the hull is that of the points as given.
+// The hull in the plane is a polygon, of about six vertices.
 #pragma once
 
 #include "local/convex_hull.hpp"
@@ -20,10 +17,9 @@ struct PlanePoint {
   double x;
   double y;
 };
+static_assert(sizeof(PlanePoint) == 2 * sizeof(double));
 
 /// Sign of the orientation of a, b, c: positive where they turn left. Exact.
-int exact_orientation(PlanePoint a, PlanePoint b, PlanePoint c);
-
 inline int orientation(PlanePoint a, PlanePoint b, PlanePoint c) {
   // Bound on the rounding error of the determinant: Shewchuk, Adaptive Precision
   // Floating-Point Arithmetic and Fast Robust Geometric Predicates (1997), section 4.3.
@@ -35,7 +31,11 @@ inline int orientation(PlanePoint a, PlanePoint b, PlanePoint c) {
   if (determinant > bound) {
     return 1;
   }
-  return -determinant > bound ? -1 : exact_orientation(a, b, c);
+  if (-determinant > bound) {
+    return -1;
+  }
+  const double* const points[] = {&a.x, &b.x, &c.x};
+  return exact_orientation(2, points);
 }
 
 class HullPolygon {
@@ -51,10 +51,10 @@ class HullPolygon {
   void restart(double size, double value) {
     vertices_.clear();
     for (int which = 0; which < 3; ++which) {
-      vertices_.push_back({{size * ConvexHull::start_coordinate(2, which, 0),
-                            size * ConvexHull::start_coordinate(2, which, 1)},
-                           ConvexHull::start_id(which),
-                           value});
+      vertices_.push_back(
+          {{size * start_coordinate(2, which, 0), size * start_coordinate(2, which, 1)},
+           start_id(which),
+           value});
     }
   }
 

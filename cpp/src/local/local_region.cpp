@@ -207,11 +207,11 @@ class RegionKernel {
         add_halfspace(list_[done], squared_distances_[done],
                       tangent_coordinates_.col(static_cast<Eigen::Index>(done)));
       }
-      if (done < end || !Region::kLimitFollows) {
+      if (done < end) {
         region_.update();
-      }
-      if (done < end && squared_distances_[done] > region_.limit()) {
-        return true;
+        if (squared_distances_[done] > region_.limit()) {
+          return true;
+        }
       }
       batch += batch / 2;
     }

@@ -6,8 +6,9 @@
 #include "base/small_systems.hpp"
 #include "base/tolerance.hpp"
 #include "complex/simplex_rows.hpp"
-#include "local/convex_hull.hpp"
+#include "local/convex_hull_1.hpp"
 #include "local/convex_hull_2.hpp"
+#include "local/convex_hull_d.hpp"
 #include "remanifold/execution.hpp"
 #include "remanifold/types.hpp"
 
@@ -16,7 +17,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <vector>
 
 namespace remanifold::detail {
@@ -46,6 +46,9 @@ class RegionCorners {
   const std::vector<Halfspace>& halfspaces() const { return halfspaces_; }
   /// Halfspaces inserted since the last update().
   int fresh() const { return fresh_; }
+  /// Squared distance beyond which no sample cuts. After an insertion by a rounded corner,
+  /// after update() by what that finds.
+  double limit() const { return limit_; }
 
   // As of the last update():
 
@@ -56,8 +59,6 @@ class RegionCorners {
   }
   /// Of the farthest corner; infinite where the region has no end.
   double squared_radius() const { return squared_radius_; }
-  /// Squared distance beyond which no sample cuts.
-  double limit() const { return limit_; }
 
   /// The samples whose halfspaces bound the region, in no order.
   void append_edge_set(std::vector<Index>& out) const {
@@ -111,13 +112,12 @@ class RegionCorners {
 
   /// The halfspace of an id.
   double line_of(Index id, Vector& normal) const {
-    if (!ConvexHull::is_start(id)) {
+    if (!is_start(id)) {
       normal = halfspaces_[id].normal;
       return halfspaces_[id].offset;
     }
     for (int axis = 0; axis < dim(); ++axis) {
-      normal[axis] =
-          ConvexHull::start_coordinate(dim(), ConvexHull::start_vertex(id), axis);
+      normal[axis] = start_coordinate(dim(), start_vertex(id), axis);
     }
     return end_;
   }
@@ -127,8 +127,7 @@ class RegionCorners {
     double radius = 0;
     bool bounded = true;
     for (std::size_t c = 0; c < corners_.size(); ++c) {
-      if (corners_[c].flat ||
-          std::any_of(facet(c), facet(c) + dim(), ConvexHull::is_start)) {
+      if (corners_[c].flat || std::any_of(facet(c), facet(c) + dim(), is_start)) {
         bounded = false;
       } else {
         radius = std::max(radius, corners_[c].length);
@@ -156,133 +155,187 @@ class RegionCorners {
   std::vector<const Index*> row_starts_;
 };
 
-/// By CGAL's hull, which is brought up to date after several halfspaces.
+/// The corner where the halfspaces of a facet meet, by elimination.
+template <int K>
+class CornerSolver {
+  using Vector = typename RegionCorners<K>::Vector;
+  using Square = Eigen::Matrix<double, K, K>;
+
+ public:
+  explicit CornerSolver(int dim) : normals_(dim, dim), distance_(dim), joined_(dim) {}
+
+  /// To be filled by the caller.
+  Square& normals() { return normals_; }
+
+  /// \param corner  whose position holds the offsets
+  void solve(typename RegionCorners<K>::Corner& corner) {
+    const double tree = shortest_tree();
+    double lengths = 1;
+    for (Eigen::Index i = 0; i < normals_.rows(); ++i) {
+      const double length = normals_.row(i).norm();
+      normals_.row(i) /= length;
+      corner.position[i] /= length;
+      lengths *= length;
+    }
+    const double volume = std::abs(solve_square(normals_, corner.position));
+    corner.error = kCornerError / volume;
+    corner.flat = volume * lengths < kFlatSimplex * tree;
+    corner.length = corner.position.norm();
+  }
+
+ private:
+  /// Product of the edges of the shortest tree on the origin and the normals.
+  double shortest_tree() {
+    constexpr double done = std::numeric_limits<double>::infinity();
+    const Eigen::Index size = normals_.rows();
+    if (size == 1) {
+      return std::abs(normals_(0, 0));
+    }
+    distance_ = normals_.rowwise().squaredNorm();
+    std::fill(joined_.begin(), joined_.end(), false);
+    double product = 1;
+    for (Eigen::Index joined = 0; joined < size; ++joined) {
+      Eigen::Index next = 0;
+      product *= distance_.minCoeff(&next);
+      joined_[next] = true;
+      for (Eigen::Index i = 0; i < size; ++i) {
+        distance_[i] =
+            joined_[i] ? done
+                       : std::min(distance_[i],
+                                  (normals_.row(i) - normals_.row(next)).squaredNorm());
+      }
+    }
+    return std::sqrt(product);
+  }
+
+  Square normals_;
+  Vector distance_;
+  std::vector<char> joined_;
+};
+
 template <int K>
 class Region : public RegionCorners<K> {
   using Base = RegionCorners<K>;
-  using Square = Eigen::Matrix<double, K, K>;
   using Base::dim;
 
  public:
   using typename Base::Corner;
   using typename Base::Vector;
-  /// Whether limit() is up to date before update().
-  static constexpr bool kLimitFollows = false;
 
   Region(int tangent_dim, double end, const Execution& execution)
       : Base(tangent_dim, end),
         execution_(execution),
-        hull_(make_convex_hull(tangent_dim)),
-        joined_(tangent_dim, false) {}
+        hull_(tangent_dim),
+        solver_(tangent_dim) {}
 
   void restart() {
     Base::clear();
-    hull_->restart(dim(), 1 / this->end_);
+    hull_.restart(1 / this->end_);
   }
 
   void insert(const Vector& normal, double offset, Index sample) {
-    if (is_redundant(normal, offset)) {
-      return;
+    if (K == Eigen::Dynamic) {
+      execution_.poll();  // in high dimensions a hull takes seconds
     }
-    execution_.poll();  // in high dimensions a hull takes seconds
     const Vector dual = normal / offset;
-    hull_->insert(dual.data(), static_cast<Index>(this->halfspaces_.size()));
-    this->halfspaces_.push_back({normal, offset, sample});
-    ++this->fresh_;
+    if (hull_.insert(dual.data())) {
+      this->halfspaces_.push_back({normal, offset, sample});
+      this->limit_ = Base::security_radius(hull_.squared_radius());
+      ++this->fresh_;
+    }
   }
 
   void update() {
     if (this->fresh_ == 0) {
       return;
     }
-    hull_->update();
     Base::clear_corners();
-    this->facets_ = hull_->facets();
-    this->vertices_ = hull_->vertices();
-    for (std::size_t first = 0; first < this->facets_.size(); first += dim()) {
-      execution_.poll();
-      this->corners_.push_back(corner_of(this->facets_.data() + first));
-    }
+    bounds_.assign(this->halfspaces_.size(), false);
+    hull_.for_each_facet([&](const Index* ids) {
+      this->facets_.insert(this->facets_.end(), ids, ids + dim());
+      this->corners_.push_back(corner_of(ids));
+      for (int i = 0; i < dim(); ++i) {
+        if (!is_start(ids[i]) && !bounds_[ids[i]]) {
+          bounds_[ids[i]] = true;
+          this->vertices_.push_back(ids[i]);
+        }
+      }
+    });
     Base::settle();
   }
 
  private:
-  /// Certainly cuts nothing off the region as of the last update.
-  bool is_redundant(const Vector& normal, double offset) const {
-    const double length = normal.norm();
-    for (const Corner& corner : this->corners_) {
-      const double slack =
-          std::max(kRedundantSlack, corner.error) * (length * corner.length + offset);
-      if (!(normal.dot(corner.position) <= offset - slack)) {
-        return false;
-      }
-    }
-    return !this->corners_.empty();
-  }
-
-  Corner corner_of(const Index* facet) const {
-    Square normals(dim(), dim());
-    Vector offsets(dim());
+  Corner corner_of(const Index* facet) {
+    Corner corner{Vector(dim()), 0, 0, false};
     Vector normal(dim());
-    double lengths = 1;
     for (int i = 0; i < dim(); ++i) {
-      offsets[i] = Base::line_of(facet[i], normal);
-      normals.row(i) = normal.transpose();
+      corner.position[i] = Base::line_of(facet[i], normal);
+      solver_.normals().row(i) = normal.transpose();
     }
-    const double tree = shortest_tree(normals);
-    for (int i = 0; i < dim(); ++i) {
-      const double length = normals.row(i).norm();
-      normals.row(i) /= length;
-      offsets[i] /= length;
-      lengths *= length;
-    }
-    const double volume = std::abs(solve_square(normals, offsets));
-    Corner corner{offsets, 0, kCornerError / volume,
-                  volume * lengths < kFlatSimplex * tree};
-    corner.length = corner.position.norm();
+    solver_.solve(corner);
     return corner;
   }
 
-  /// Product of the edges of the shortest tree on the origin and the rows.
-  double shortest_tree(const Square& rows) const {
-    if (dim() == 1) {
-      return std::abs(rows(0, 0));
-    }
-    Vector distance = rows.rowwise().squaredNorm();
-    double product = 1;
-    for (int joined = 0; joined < dim(); ++joined) {
-      int next = 0;
-      const double nearest = distance.minCoeff(&next);
-      product *= nearest;
-      for (int i = 0; i < dim(); ++i) {
-        distance[i] =
-            i == next
-                ? Base::kNoEnd
-                : std::min(distance[i], (rows.row(i) - rows.row(next)).squaredNorm());
-      }
-      // Those that have joined stay out.
-      joined_[next] = true;
-      for (int i = 0; i < dim(); ++i) {
-        if (joined_[i]) {
-          distance[i] = Base::kNoEnd;
-        }
-      }
-    }
-    std::fill(joined_.begin(), joined_.end(), false);
-    return std::sqrt(product);
-  }
-
   const Execution& execution_;
-  std::unique_ptr<ConvexHull> hull_;
-  mutable std::vector<bool> joined_;  // scratch of shortest_tree
+  HullPolytope<K> hull_;
+  CornerSolver<K> solver_;
+  std::vector<char> bounds_;  // halfspaces
 };
 
-/// The plane has a hull of its own, and the limit follows every halfspace.
+/// An interval.
+template <>
+class Region<1> : public RegionCorners<1> {
+ public:
+  Region(int dim, double end, const Execution& /*execution*/)
+      : RegionCorners(dim, end), solver_(dim) {}
+
+  void restart() {
+    clear();
+    hull_.restart(1 / end_);
+  }
+
+  void insert(const Vector& normal, double offset, Index sample) {
+    if (hull_.insert(normal[0] / offset, static_cast<Index>(halfspaces_.size()))) {
+      halfspaces_.push_back({normal, offset, sample});
+      limit_ = is_start(hull_.low().id) || is_start(hull_.high().id)
+                   ? kNoEnd
+                   : security_radius(1 / std::min(square(hull_.low().position),
+                                                  square(hull_.high().position)));
+      ++fresh_;
+    }
+  }
+
+  void update() {
+    if (fresh_ == 0) {
+      return;
+    }
+    clear_corners();
+    for (const Index id : {hull_.low().id, hull_.high().id}) {
+      Corner corner{};
+      Vector normal;
+      corner.position[0] = line_of(id, normal);
+      solver_.normals().row(0) = normal;
+      solver_.solve(corner);
+      corners_.push_back(corner);
+      facets_.push_back(id);
+      if (!is_start(id)) {
+        vertices_.push_back(id);
+      }
+    }
+    settle();
+  }
+
+ private:
+  static double square(double x) { return x * x; }
+
+  HullInterval hull_;
+  CornerSolver<1> solver_;
+};
+
+/// In the plane corners are determinants of two lines.
 template <>
 class Region<2> : public RegionCorners<2> {
  public:
-  static constexpr bool kLimitFollows = true;
-
   Region(int dim, double end, const Execution& /*execution*/)
       : RegionCorners(dim, end) {}
 
@@ -317,7 +370,7 @@ class Region<2> : public RegionCorners<2> {
       const Index next = vertices[i + 1 == vertices.size() ? 0 : i + 1].id;
       corners_.push_back(corner_of(id, next));
       facets_.insert(facets_.end(), {id, next});
-      if (!ConvexHull::is_start(id)) {
+      if (!is_start(id)) {
         vertices_.push_back(id);
       }
     }
@@ -327,7 +380,7 @@ class Region<2> : public RegionCorners<2> {
  private:
   /// Of the corner where two lines of the plane meet; none at the end of the region.
   double squared_length(Index a, Index b) const {
-    if (ConvexHull::is_start(a) || ConvexHull::is_start(b)) {
+    if (is_start(a) || is_start(b)) {
       return kNoEnd;
     }
     const Halfspace& p = halfspaces_[a];
