@@ -4,18 +4,25 @@
 #include "base/csr.hpp"
 #include "base/disjoint_sets.hpp"
 #include "base/parallel.hpp"
+#include "base/sort_unique.hpp"
 #include "complex/simplex_rows.hpp"
 #include "remanifold/facets.hpp"
 
 #include <algorithm>
 #include <array>
 #include <iterator>
+#include <map>
 #include <numeric>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace remanifold {
 namespace {
+
+/// Links of more vertices than this have no tables of pairs of them.
+constexpr std::size_t kMaxTableVertices = 128;
 
 /// Columns of a simplex of the given arity that make up each of its faces; for facets
 /// the i-th face leaves out column i.
@@ -161,44 +168,27 @@ Offset euler_characteristic(const std::vector<Offset>& face_counts) {
   return result;
 }
 
-/// The faces opposite to vertex number v of the table of vertices.
-SimplexArray link_of(const SimplexArray& simplices, const FaceTable& vertices,
-                     Offset v) {
-  const Index vertex = vertices.faces[v][0];
-  SimplexArray link{simplices.arity - 1, {}};
-  link.vertices.reserve(vertices.cofaces(v) * link.arity);
-  for (Offset i = vertices.offsets[v]; i < vertices.offsets[v + 1]; ++i) {
-    const Index* simplex = simplices[vertices.instances[i] / simplices.arity];
-    std::copy_if(simplex, simplex + simplices.arity, std::back_inserter(link.vertices),
-                 [&](Index w) { return w != vertex; });
-  }
-  return link;
+/// The face of a simplex opposite to one of its vertices.
+void append_opposite(const Index* simplex, Index vertex, SimplexArray& faces) {
+  std::copy_if(simplex, simplex + faces.arity + 1, std::back_inserter(faces.vertices),
+               [&](Index w) { return w != vertex; });
 }
 
-bool is_connected(const SimplexArray& simplices) {
-  const FaceTable vertices = make_face_table(simplices, 0);
-  detail::DisjointSets sets(simplices.size());
-  for (Offset v = 0; v < vertices.size(); ++v) {
-    const Offset first = vertices.instances[vertices.offsets[v]] / simplices.arity;
-    for (Offset i = vertices.offsets[v]; i < vertices.offsets[v + 1]; ++i) {
-      sets.join(first, vertices.instances[i] / simplices.arity);
-    }
-  }
-  for (Offset s = 0; s < simplices.size(); ++s) {
-    if (sets.find(s) != 0) {
-      return false;
-    }
-  }
-  return true;
-}
+/// What a link is found to be.
+struct LinkShape {
+  bool good = false;           // a sphere or a ball; all else is known only of those
+  std::vector<Offset> counts;  // faces by dimension
+  Offset num_open = 0;         // facets with one coface
+};
 
 /// A connected graph of degrees one and two.
-bool is_path_or_cycle(const SimplexArray& graph) {
+LinkShape shape_of_graph(const SimplexArray& graph) {
+  LinkShape shape;
   std::vector<Index> ends = graph.vertices;
   std::sort(ends.begin(), ends.end());
   for (std::size_t i = 2; i < ends.size(); ++i) {
     if (ends[i] == ends[i - 2]) {
-      return false;
+      return shape;
     }
   }
   ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
@@ -215,29 +205,277 @@ bool is_path_or_cycle(const SimplexArray& graph) {
       ++tree_edges;
     }
   }
-  return tree_edges + 1 == ends.size();
+  shape.good = tree_edges + 1 == ends.size();
+  shape.counts = {static_cast<Offset>(ends.size()), graph.size()};
+  shape.num_open = 2 * (shape.counts[0] - shape.counts[1]);
+  return shape;
 }
 
-/// The vertices of the table that are marked and have links that are neither spheres nor
-/// balls.
-/// \param for_each_block  runs a body(begin, end) on all of the table
-template <class Loop>
-std::vector<Index> find_singular(const SimplexArray& simplices,
-                                 const FaceTable& vertices,
-                                 const std::vector<std::uint8_t>& marked,
-                                 const Loop& for_each_block) {
-  std::vector<std::uint8_t> singular(vertices.size(), 0);
-  for_each_block([&](Offset begin, Offset end) {
-    for (Offset v = begin; v < end; ++v) {
-      if (marked[vertices.faces[v][0]] != 0) {
-        singular[v] = is_sphere_or_ball(link_of(simplices, vertices, v)) ? 0 : 1;
+/// Whether triangles are a sphere or a disc: two at most on each edge, one umbrella on each
+/// vertex, connected, Euler characteristic 2 or 1. In a flat table of pairs of vertices:
+/// with K = 3 every link is asked for.
+class SurfaceLink {
+ public:
+  explicit SurfaceLink(const SimplexArray& triangles) : triangles_(triangles) {
+    number_vertices();
+  }
+
+  /// The table grows with its square.
+  std::size_t num_vertices() const { return num_vertices_; }
+
+  LinkShape shape() {
+    LinkShape shape;
+    shape.good = fill_edges() && is_sphere_or_disc();
+    shape.counts = {static_cast<Offset>(num_vertices_), static_cast<Offset>(num_edges_),
+                    triangles_.size()};
+    shape.num_open = static_cast<Offset>(num_open_);
+    return shape;
+  }
+
+ private:
+  static constexpr Index kNone = -1;
+
+  struct Edge {
+    Index apex[2] = {kNone, kNone};  // of the triangles on it
+  };
+
+  bool is_sphere_or_disc() {
+    const auto triangles = static_cast<std::size_t>(triangles_.size());
+    const bool closed = num_open_ == 0;
+    if (num_vertices_ + triangles != num_edges_ + (closed ? 2 : 1)) {
+      return false;
+    }
+    detail::DisjointSets sets(static_cast<Offset>(num_vertices_));
+    for (std::size_t v = 0; v < num_vertices_; ++v) {
+      if (!is_umbrella(v, sets)) {
+        return false;
+      }
+    }
+    for (std::size_t v = 1; v < num_vertices_; ++v) {
+      if (sets.find(static_cast<Offset>(v)) != sets.find(0)) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  /// From 0 on, in the order in which they come.
+  void number_vertices() {
+    std::size_t size = 16;
+    while (size < triangles_.vertices.size()) {
+      size *= 2;
+    }
+    struct Slot {
+      Index vertex = kNone;
+      Index number = kNone;
+    };
+    std::vector<Slot> slots(size);  // a hash table, less than half full
+    corners_.reserve(triangles_.vertices.size());
+    for (const Index vertex : triangles_.vertices) {
+      // Fibonacci hashing: Knuth, The Art of Computer Programming 3, section 6.4.
+      std::size_t at = (static_cast<std::uint32_t>(vertex) * 0x9e3779b9U >> 16) % size;
+      while (slots[at].number != kNone && slots[at].vertex != vertex) {
+        at = (at + 1) % size;
+      }
+      if (slots[at].number == kNone) {
+        slots[at] = {vertex, static_cast<Index>(num_vertices_++)};
+      }
+      corners_.push_back(slots[at].number);
+    }
+  }
+
+  Edge& edge(std::size_t a, std::size_t b) { return edges_[a * num_vertices_ + b]; }
+
+  /// \returns false where an edge has more than two triangles, or one twice
+  bool fill_edges() {
+    edges_.assign(num_vertices_ * num_vertices_, {});
+    counts_.assign(num_vertices_, 0);
+    for (Offset t = 0; t < triangles_.size(); ++t) {
+      const Index* triangle = corners_.data() + 3 * t;
+      for (int i = 0; i < 3; ++i) {
+        ++counts_[triangle[i]];
+        for (int side = 1; side <= 2; ++side) {
+          const Index apex = triangle[(i + 3 - side) % 3];
+          Edge& across = edge(triangle[i], triangle[(i + side) % 3]);
+          if (across.apex[1] != kNone || across.apex[0] == apex) {
+            return false;
+          }
+          across.apex[across.apex[0] == kNone ? 0 : 1] = apex;
+        }
+      }
+    }
+    num_edges_ = num_open_ = 0;
+    for (const Edge& known : edges_) {
+      num_edges_ += known.apex[0] != kNone ? 1 : 0;
+      num_open_ += known.apex[0] != kNone && known.apex[1] == kNone ? 1 : 0;
+    }
+    // Both ways.
+    num_edges_ /= 2;
+    num_open_ /= 2;
+    return true;
+  }
+
+  /// Goes around a vertex and joins it to what is there.
+  bool is_umbrella(std::size_t v, detail::DisjointSets& sets) {
+    Index first = kNone;
+    bool open = false;
+    for (std::size_t w = 0; w < num_vertices_ && !open; ++w) {
+      const Edge& spoke = edge(v, w);
+      if (spoke.apex[0] != kNone) {
+        open = spoke.apex[1] == kNone;
+        first = open || first == kNone ? static_cast<Index>(w) : first;
+      }
+    }
+    Index before = kNone;
+    Index at = first;
+    int passed = 0;
+    do {
+      sets.join(static_cast<Offset>(v), at);
+      const Edge& spoke = edge(v, at);
+      const Index next = spoke.apex[0] == before ? spoke.apex[1] : spoke.apex[0];
+      before = at;
+      at = next;
+      passed += at != kNone ? 1 : 0;
+    } while (at != kNone && at != first);
+    return passed == counts_[v];
+  }
+
+  const SimplexArray& triangles_;
+  std::vector<Index> corners_;  // of the triangles, by number
+  std::size_t num_vertices_ = 0;
+  std::vector<Edge> edges_;  // by both ends, both ways
+  std::vector<int> counts_;  // triangles of each vertex
+  std::size_t num_edges_ = 0;
+  std::size_t num_open_ = 0;
+};
+
+/// Shapes of links of links. The link of a face is that of each of its vertices in the link
+/// of the others: what was found for it is found again.
+class LinkShapes {
+ public:
+  LinkShape of(const SimplexArray& link);
+
+ private:
+  LinkShape of_link(const SimplexArray& around, Index vertex) {
+    constexpr std::size_t never_again = 1;
+    face_.push_back(vertex);
+    LinkShape shape;
+    if (face_.size() <= never_again || around.arity <= 2) {
+      shape = of(around);
+    } else {
+      std::vector<Index> key = face_;
+      std::sort(key.begin(), key.end());
+      const auto at = known_.find(key);
+      shape = at != known_.end()
+                  ? at->second
+                  : known_.emplace(std::move(key), of(around)).first->second;
+    }
+    face_.pop_back();
+    return shape;
+  }
+
+  std::vector<Index> face_;  // whose link is looked at, of the first
+  std::map<std::vector<Index>, LinkShape> known_;
+};
+
+/// A complex of dimension 2 and more is a sphere or a ball, as far as this is told, where
+/// it is connected, the links of its vertices are spheres and balls and the Euler
+/// characteristic is that of one. Every face is counted in the links of its vertices.
+LinkShape LinkShapes::of(const SimplexArray& link) {
+  const int dim = link.arity - 1;
+  if (dim == 0) {
+    return {link.size() <= 2, {link.size()}, link.size() == 1 ? 1 : 0};
+  }
+  if (dim == 1) {
+    return shape_of_graph(link);
+  }
+  if (dim == 2) {
+    SurfaceLink surface(link);
+    if (surface.num_vertices() <= kMaxTableVertices) {
+      return surface.shape();
+    }
+  }
+  std::vector<Index> vertices = link.vertices;
+  detail::sort_unique(vertices);
+  const auto num_vertices = static_cast<Offset>(vertices.size());
+  detail::DisjointSets sets(num_vertices);
+  const auto stars = detail::ragged_of<Offset>(num_vertices, [&](const auto& add) {
+    for (Offset s = 0; s < link.size(); ++s) {
+      for (int i = 0; i < link.arity; ++i) {
+        add(std::lower_bound(vertices.begin(), vertices.end(), link[s][i]) -
+                vertices.begin(),
+            s);
       }
     }
   });
+  std::vector<Offset> last(link.size(), -1);  // vertex of each simplex gone through
+  LinkShape shape;
+  shape.counts.assign(dim + 1, 0);
+  SimplexArray around{dim, {}};
+  for (Offset v = 0; v < num_vertices; ++v) {
+    around.vertices.clear();
+    for (const Offset* s = stars.begin(v); s != stars.end(v); ++s) {
+      append_opposite(link[*s], vertices[v], around);
+      sets.join(last[*s] < 0 ? v : last[*s], v);
+      last[*s] = v;
+    }
+    const LinkShape part = of_link(around, vertices[v]);
+    if (!part.good) {
+      return shape;
+    }
+    for (int d = 0; d < dim; ++d) {
+      shape.counts[d + 1] += part.counts[d];
+    }
+    shape.num_open += part.num_open;
+  }
+  shape.counts[0] = num_vertices;
+  for (int d = 1; d <= dim; ++d) {
+    shape.counts[d] /= d + 1;
+  }
+  shape.num_open /= dim;
+  const bool closed = shape.num_open == 0;
+  const Offset expected = closed && dim % 2 == 0 ? 2 : closed ? 0 : 1;
+  shape.good = euler_characteristic(shape.counts) == expected;
+  for (Offset v = 1; v < num_vertices && shape.good; ++v) {
+    shape.good = sets.find(v) == 0;
+  }
+  return shape;
+}
+
+/// The marked vertices whose links are neither spheres nor balls.
+/// \param for_each_block  runs a body(begin, end) on all vertices
+template <class Loop>
+std::vector<Index> find_singular(const SimplexArray& simplices,
+                                 const std::vector<std::uint8_t>& marked,
+                                 const Loop& for_each_block) {
+  const auto num_vertices = static_cast<Offset>(marked.size());
+  const auto stars = detail::ragged_of<Offset>(num_vertices, [&](const auto& add) {
+    for (Offset s = 0; s < simplices.size(); ++s) {
+      for (int i = 0; i < simplices.arity; ++i) {
+        if (marked[simplices[s][i]] != 0) {
+          add(simplices[s][i], s);
+        }
+      }
+    }
+  });
+  std::vector<std::uint8_t> singular(marked.size(), 0);
+  for_each_block([&](Offset begin, Offset end) {
+    SimplexArray link{simplices.arity - 1, {}};
+    for (Offset v = begin; v < end; ++v) {
+      if (stars.size(v) == 0) {
+        continue;
+      }
+      link.vertices.clear();
+      for (const Offset* s = stars.begin(v); s != stars.end(v); ++s) {
+        append_opposite(simplices[*s], static_cast<Index>(v), link);
+      }
+      singular[v] = is_sphere_or_ball(link) ? 0 : 1;
+    }
+  });
   std::vector<Index> result;
-  for (Offset v = 0; v < vertices.size(); ++v) {
+  for (Offset v = 0; v < num_vertices; ++v) {
     if (singular[v] != 0) {
-      result.push_back(vertices.faces[v][0]);
+      result.push_back(static_cast<Index>(v));
     }
   }
   return result;
@@ -300,40 +538,7 @@ Patches find_patches(const SimplexArray& simplices, const FaceTable& facets) {
 
 }  // namespace
 
-bool is_sphere_or_ball(const SimplexArray& link) {
-  const int dim = link.arity - 1;
-  if (dim == 0) {
-    return link.size() <= 2;
-  }
-  if (dim == 1) {
-    return is_path_or_cycle(link);
-  }
-  std::vector<Offset> counts;
-  bool closed = true;
-  for (int d = 0; d <= dim; ++d) {
-    const FaceTable table = make_face_table(link, d);
-    counts.push_back(table.size());
-    if (d == dim - 1) {
-      for (Offset f = 0; f < table.size(); ++f) {
-        if (table.cofaces(f) > 2) {
-          return false;
-        }
-        closed = closed && table.cofaces(f) == 2;
-      }
-    }
-  }
-  const Offset expected = closed && dim % 2 == 0 ? 2 : closed ? 0 : 1;
-  if (euler_characteristic(counts) != expected || !is_connected(link)) {
-    return false;
-  }
-  const FaceTable vertices = make_face_table(link, 0);
-  for (Offset v = 0; v < vertices.size(); ++v) {
-    if (!is_sphere_or_ball(link_of(link, vertices, v))) {
-      return false;
-    }
-  }
-  return true;
-}
+bool is_sphere_or_ball(const SimplexArray& link) { return LinkShapes().of(link).good; }
 
 Faces faces_of(const SimplexArray& simplices, int dim, const Execution& execution) {
   if (dim < 0 || dim >= simplices.arity) {
@@ -418,13 +623,11 @@ Topology compute_topology(const SimplexArray& simplices, Index num_vertices,
   result.orientable = result.pseudomanifold && patches.orientable;
 
   execution.poll();
-  const FaceTable vertices = make_face_table(simplices, 0);
-  detail::begin_step(execution, Step::kTopology, vertices.size());
-  result.singular_vertices =
-      find_singular(simplices, vertices, std::vector<std::uint8_t>(num_vertices, 1),
-                    [&](const auto& body) {
-                      detail::for_each_block(vertices.size(), 256, execution, body);
-                    });
+  detail::begin_step(execution, Step::kTopology, num_vertices);
+  result.singular_vertices = find_singular(
+      simplices, std::vector<std::uint8_t>(num_vertices, 1), [&](const auto& body) {
+        detail::for_each_block(num_vertices, 256, execution, body);
+      });
   return result;
 }
 
@@ -433,9 +636,9 @@ std::vector<Index> singular_vertices(const SimplexArray& simplices,
                                      const Execution& execution) {
   const SimplexArray near = detail::select_rows(
       simplices, detail::rows_near(simplices, marked, 1, execution));
-  const FaceTable vertices = make_face_table(near, 0);
-  return find_singular(near, vertices, marked, [&](const auto& body) {
-    detail::for_each_block_uncounted(vertices.size(), 64, execution, body);
+  return find_singular(near, marked, [&](const auto& body) {
+    detail::for_each_block_uncounted(static_cast<Offset>(marked.size()), 256, execution,
+                                     body);
   });
 }
 

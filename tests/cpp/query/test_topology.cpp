@@ -3,7 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <map>
+#include <random>
+#include <set>
 #include <stdexcept>
+#include <vector>
 
 namespace remanifold {
 namespace {
@@ -57,6 +63,157 @@ TEST(Topology, MoebiusBand) {
   EXPECT_FALSE(t.orientable);
   EXPECT_TRUE(t.singular_vertices.empty());
   EXPECT_EQ(t.coface_counts, (std::vector<Offset>{0, 5, 5}));
+}
+
+/// By Euler characteristic, degrees and connectedness, as slowly as it can be said.
+bool is_surface_link(const SimplexArray& triangles) {
+  std::map<Index, std::map<Index, int>> edges;
+  std::map<Index, std::set<std::set<Index>>> umbrellas;
+  for (Offset t = 0; t < triangles.size(); ++t) {
+    for (int i = 0; i < 3; ++i) {
+      const Index v = triangles[t][i];
+      const Index a = triangles[t][(i + 1) % 3];
+      const Index b = triangles[t][(i + 2) % 3];
+      ++edges[v][a];
+      ++edges[v][b];
+      umbrellas[v].insert({a, b});
+    }
+  }
+  const auto connected = [](std::set<std::set<Index>> sets) {
+    if (sets.empty()) {
+      return false;
+    }
+    std::set<Index> reached = *sets.begin();
+    for (bool grown = true; grown;) {
+      grown = false;
+      for (auto it = sets.begin(); it != sets.end();) {
+        const bool meets = std::any_of(it->begin(), it->end(),
+                                       [&](Index v) { return reached.count(v) > 0; });
+        if (meets) {
+          reached.insert(it->begin(), it->end());
+          it = sets.erase(it);
+          grown = true;
+        } else {
+          ++it;
+        }
+      }
+    }
+    return sets.empty();
+  };
+  int num_edges = 0;
+  bool closed = true;
+  for (const auto& [v, ends] : edges) {
+    for (const auto& [w, count] : ends) {
+      if (count > 2) {
+        return false;
+      }
+      closed = closed && count == 2;
+      num_edges += v < w ? 1 : 0;
+    }
+    if (!connected(umbrellas[v])) {
+      return false;
+    }
+  }
+  std::set<std::set<Index>> all;
+  for (Offset t = 0; t < triangles.size(); ++t) {
+    all.insert({triangles[t][0], triangles[t][1], triangles[t][2]});
+  }
+  const auto euler =
+      static_cast<int>(edges.size()) - num_edges + static_cast<int>(triangles.size());
+  return connected(all) && euler == (closed ? 2 : 1);
+}
+
+TEST(Topology, LinksOfTrianglesAreToldByTheirDefinition) {
+  // All sets of triangles on five vertices, and some on nine.
+  std::vector<std::array<Index, 3>> triangles;
+  for (Index a = 0; a < 9; ++a) {
+    for (Index b = a + 1; b < 9; ++b) {
+      for (Index c = b + 1; c < 9; ++c) {
+        triangles.push_back({a, b, c});
+      }
+    }
+  }
+  std::sort(triangles.begin(), triangles.end(),
+            [](const auto& s, const auto& t) { return s[2] < t[2]; });
+  int good = 0;
+  for (unsigned set = 1; set < 1U << 10; ++set) {
+    SimplexArray link{3, {}};
+    for (unsigned t = 0; t < 10; ++t) {
+      if ((set >> t & 1) != 0) {
+        link.vertices.insert(link.vertices.end(), triangles[t].begin(),
+                             triangles[t].end());
+      }
+    }
+    const bool expected = is_surface_link(link);
+    good += expected ? 1 : 0;
+    ASSERT_EQ(is_sphere_or_ball(link), expected) << set;
+  }
+  EXPECT_GT(good, 100);
+  // Surfaces grown triangle by triangle, until one does not fit.
+  std::mt19937 random(1);
+  for (int round = 0; round < 300; ++round) {
+    std::shuffle(triangles.begin(), triangles.end(), random);
+    SimplexArray link{3, {}};
+    for (const auto& triangle : triangles) {
+      SimplexArray more = link;
+      more.vertices.insert(more.vertices.end(), triangle.begin(), triangle.end());
+      const bool expected = is_surface_link(more);
+      ASSERT_EQ(is_sphere_or_ball(more), expected);
+      if (expected) {
+        link = more;
+      }
+    }
+  }
+}
+
+TEST(Topology, LinksOfManyVertices) {
+  // A double pyramid over a polygon, a pyramid, and two that share the apex.
+  constexpr Index corners = 300;
+  const auto pyramid = [](Index apex, Index first) {
+    SimplexArray result{3, {}};
+    for (Index i = 0; i < corners; ++i) {
+      const Index a = first + i;
+      const Index b = first + (i + 1) % corners;
+      result.vertices.insert(result.vertices.end(),
+                             {std::min(a, b), std::max(a, b), apex});
+    }
+    return result;
+  };
+  const auto together = [](SimplexArray a, const SimplexArray& b) {
+    a.vertices.insert(a.vertices.end(), b.vertices.begin(), b.vertices.end());
+    return a;
+  };
+  EXPECT_TRUE(is_sphere_or_ball(pyramid(2000, 0)));
+  EXPECT_TRUE(is_sphere_or_ball(together(pyramid(2000, 0), pyramid(2001, 0))));
+  EXPECT_FALSE(is_sphere_or_ball(together(pyramid(2000, 0), pyramid(2000, 500))));
+  EXPECT_FALSE(is_sphere_or_ball(together(pyramid(2000, 0), pyramid(2001, 500))));
+}
+
+TEST(Topology, LinksOfHigherDimension) {
+  for (int dim = 1; dim <= 6; ++dim) {
+    SimplexArray sphere = simplex_boundary(dim);
+    EXPECT_TRUE(is_sphere_or_ball(sphere));
+    sphere.vertices.resize(sphere.vertices.size() - sphere.arity);
+    EXPECT_TRUE(is_sphere_or_ball(sphere)) << "a ball of dimension " << dim;
+    SimplexArray two = simplex_boundary(dim);
+    for (const Index v : simplex_boundary(dim).vertices) {
+      two.vertices.push_back(v + dim + 2);
+    }
+    EXPECT_FALSE(is_sphere_or_ball(two)) << "two spheres";
+  }
+  // Cones over what is no sphere: every vertex but the apex has a disc, a ball or a
+  // sphere around it.
+  const auto cone = [](const SimplexArray& base, Index apex) {
+    SimplexArray result{base.arity + 1, {}};
+    for (Offset s = 0; s < base.size(); ++s) {
+      result.vertices.insert(result.vertices.end(), base[s], base[s] + base.arity);
+      result.vertices.push_back(apex);
+    }
+    return result;
+  };
+  const SimplexArray over_plane = cone(kProjectivePlane, 6);
+  EXPECT_FALSE(is_sphere_or_ball(over_plane));
+  EXPECT_FALSE(is_sphere_or_ball(cone(over_plane, 7)));
 }
 
 TEST(Topology, ThreeTrianglesOnAnEdge) {
