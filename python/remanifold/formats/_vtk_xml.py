@@ -8,9 +8,9 @@ import binascii
 import lzma
 import re
 import zlib
+from html import escape
 from typing import IO, Any
 from xml.etree import ElementTree as ET
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 from numpy.typing import NDArray
@@ -355,6 +355,6 @@ def _data_array(name: str, array: NDArray[Any]) -> str:
     header = base64.b64encode(np.array(sizes, dtype="<u8").tobytes()).decode()
     body = base64.b64encode(b"".join(packed)).decode()
     return (
-        f"<DataArray type={quoteattr(kind)} Name={quoteattr(name)} "
+        f'<DataArray type="{kind}" Name="{escape(name)}" '
         f'NumberOfComponents="{width}" format="binary">{header}{body}</DataArray>'
     )

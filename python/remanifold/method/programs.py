@@ -10,17 +10,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-import highspy
 import numpy as np
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-_INTERRUPTS = (
-    highspy.cb.HighsCallbackType.kCallbackSimplexInterrupt,
-    highspy.cb.HighsCallbackType.kCallbackIpmInterrupt,
-    highspy.cb.HighsCallbackType.kCallbackMipInterrupt,
-)
 
 # Counted, not timed: the same input gives the same result on any machine.
 MAX_NODES = 200
@@ -57,6 +50,8 @@ def solve_program(
     ndarray, shape (n,) or (0,), float64
         Nothing where no solution was found within `MAX_NODES` nodes.
     """
+    import highspy  # most results ask for no program, and it takes its time
+
     program = highspy.HighsLp()
     program.num_col_ = len(costs)
     program.num_row_ = len(row_lower)
@@ -76,7 +71,7 @@ def solve_program(
             highspy.HighsVarType.kInteger if i else highspy.HighsVarType.kContinuous
             for i in integral
         ]
-    solver = _silent_solver()
+    solver = _silent_solver(highspy)
     solver.setOptionValue("threads", 1)
     solver.setOptionValue("presolve", presolve)
     solver.setOptionValue("mip_max_nodes", MAX_NODES)
@@ -89,7 +84,12 @@ def solve_program(
             into.user_interrupt = True
 
     solver.setCallback(stop_if_cancelled, None)
-    for kind in _INTERRUPTS:
+    kinds = highspy.cb.HighsCallbackType
+    for kind in (
+        kinds.kCallbackSimplexInterrupt,
+        kinds.kCallbackIpmInterrupt,
+        kinds.kCallbackMipInterrupt,
+    ):
         solver.startCallback(kind)
     solver.passModel(program)
     solver.run()
@@ -98,13 +98,13 @@ def solve_program(
     return np.array(solver.getSolution().col_value)
 
 
-def _silent_solver() -> Any:
+def _silent_solver(highspy: Any) -> Any:
     """Make a solver that has never been able to print.
 
     `highspy.Highs` hands its callbacks over as it is made, and HiGHS 1.16 greets on
     standard output at the first such call, before anybody can switch its output off. Its
     base class is the same solver without that.
     """
-    solver = highspy._Highs()  # type: ignore[attr-defined]
+    solver = highspy._Highs()
     solver.setOptionValue("output_flag", False)
     return solver
