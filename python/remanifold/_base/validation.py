@@ -346,7 +346,8 @@ def check_cells(
             f"{num_vertices - 1}"
         )
         raise ValueError(msg)
-    result = array.astype(np.int32)  # a copy: results keep it, read-only
+    # A copy, row by row: results keep it, read-only.
+    result = array.astype(np.int32, order="C")
     rows = np.sort(result, axis=1)
     twice = (rows[:, 1:] == rows[:, :-1]).any(axis=1)
     if twice.any():

@@ -658,3 +658,15 @@ def test_reports_follow_their_definitions(name):
     }
     assert report.num_boundary_components == len(on_rim)
     assert report.num_holes == count - len(on_rim)
+
+
+@pytest.mark.parametrize("dtype", [np.int32, np.int64, np.uint16])
+def test_arrays_may_be_in_columns(dtype):
+    """As other libraries hand them over."""
+    triangles = np.asfortranarray([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]], dtype)
+    points = np.asfortranarray(np.eye(4, 3))
+    assert rm.compute_topology(triangles, 4).betti_numbers == (1, 0, 1)
+    complex_ = rm.SimplicialComplex(points, triangles)
+    assert complex_.topology().betti_numbers == (1, 0, 1)
+    assert len(complex_.edges) == 6
+    assert complex_.project(points).distances.max() < 1e-15
