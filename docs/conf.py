@@ -58,9 +58,7 @@ def only_public_bases(_app, _name, _object, _options, bases):
 def link_outside(_app, _name, source):
     """What lies outside the site: the first page takes the place of the README."""
     text = re.sub(r"\]\((\.\./)+README\.md", "](/index.md", source[0])
-    source[0] = re.sub(
-        r"\[CONTRIBUTING\]\((\.\./)+CONTRIBUTING\.md\)", "CONTRIBUTING.md", text
-    )
+    source[0] = re.sub(r"\]\((\.\./)+CONTRIBUTING\.md", "](/contributing.md", text)
 
 
 def resolve_in_package(app, env, node, contnode):

@@ -82,22 +82,6 @@ def tip_angle(tips, depth):
 
 def main():
     warnings.simplefilter("ignore", rm.RemanifoldWarning)
-    torus = datasets.figure_samples(8)[:1080]
-    spacing = np.median(rm.neighborhoods(torus, 1).distances)
-    for noise in (0.0, 0.05, 0.1, 0.25, 0.5):
-        noisy = datasets.add_noise(torus, noise * spacing, random_state=1)
-        show(f"torus, 1,080 in staggered rows, noise {noise}", noisy, 2)
-    for name in ("moebius_band", "annulus", "swiss_roll", "spherical_cap"):
-        label = name.capitalize().replace("_", " ")
-        show(f"{label}, 1,500 evenly", even(name, 1500), 2)
-    klein = datasets.klein_bottle(2000, random_state=0)
-    show("Klein bottle in R^4, 2,000 at random", klein, 2)
-    plane = datasets.projective_plane(2000, random_state=0)
-    show("Projective plane in R^5, 2,000 at random", plane, 2)
-    show("Flat 3-torus in R^6, 4,000 evenly", even("flat_torus", 4000, dim=3), 3)
-    rotations = datasets.rotations(3000, random_state=0)
-    show("SO(3) in R^9, 3,000 at random", rotations, 3)
-
     for count in (50, 75, 100, 150, 200):
         how_often(
             f"torus, {count} at random",
@@ -119,6 +103,22 @@ def main():
             1,
             (1, 1),
         )
+
+    torus = datasets.figure_samples(8)[:1080]
+    spacing = np.median(rm.neighborhoods(torus, 1).distances)
+    for noise in (0.0, 0.05, 0.1, 0.25, 0.5):
+        noisy = datasets.add_noise(torus, noise * spacing, random_state=1)
+        show(f"torus, 1,080 in staggered rows, noise {noise}", noisy, 2)
+    for name in ("moebius_band", "annulus", "swiss_roll", "spherical_cap"):
+        label = name.capitalize().replace("_", " ")
+        show(f"{label}, 1,500 evenly", even(name, 1500), 2)
+    klein = datasets.klein_bottle(2000, random_state=0)
+    show("Klein bottle in R^4, 2,000 at random", klein, 2)
+    plane = datasets.projective_plane(2000, random_state=0)
+    show("Projective plane in R^5, 2,000 at random", plane, 2)
+    show("Flat 3-torus in R^6, 4,000 evenly", even("flat_torus", 4000, dim=3), 3)
+    rotations = datasets.rotations(3000, random_state=0)
+    show("SO(3) in R^9, 3,000 at random", rotations, 3)
 
 
 if __name__ == "__main__":

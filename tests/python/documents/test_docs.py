@@ -102,3 +102,31 @@ def test_sources_of_the_pages_are_among_the_references(path):
     sources = re.split(r"(?m)^## (?:References|Sources?)$", text(path))[1:]
     for title in re.findall(r"(?s)(?<!\*)\*([^*]{15,}?)\*(?!\*)", "\n".join(sources)):
         assert plain(title) in known, title
+
+
+def test_numbers_of_the_readme_are_those_of_the_tables():
+    readme = " ".join(text(DOCS.parent / "README.md").split())
+    table = text(DOCS / "sampling_report.md").partition("## How often it is right")[2]
+    rows = re.findall(
+        r"(?m)^\| .* to .* \| \d+ \| (\d+) \| (\d*).*\| (\d+) \| (\d+) \(", table
+    )
+    wrong, warned, right, alarms = (
+        sum(int(row[i] or 0) for row in rows) for i in range(4)
+    )
+    assert len(rows) > 10
+    assert f"{warned} of {wrong} wrong results" in readme
+    assert f"{alarms} of {right} right ones" in readme
+    assert f"of {wrong} wrong results" in " ".join(text(DOCS / "faq.md").split())
+
+    peers = text(DOCS / "benchmarks.md").partition("<!-- side by side -->")[2]
+    noisy = peers.partition("random order, noise 0.5**")[2]
+    judged = re.findall(r"(?m)^\| (\w[^|]*) \| 30,000 \|.*\| (\w+)[^|]* \|$", noisy)
+    assert len(judged) > 7
+    assert {name for name, verdict in judged if verdict == "right"} == {"remanifold"}
+
+    def seconds(name):
+        return float(re.search(rf"\| {name} \| 1,000,000 \| ([\d.]+) \|", peers)[1])
+
+    assert f"{seconds('remanifold'):.1f} s on one core" in readme
+    assert f"takes {seconds('FLANN 20-NN'):.1f} s" in readme
+    assert f"advancing front {seconds('CGAL advancing front'):.0f} s" in readme

@@ -125,6 +125,16 @@ def assert_rows_in_order(printed, text):
         assert row in lines, row
 
 
+def test_the_picture_of_the_readme(tmp_path):
+    for package in ("pymeshlab", "pyvista", "PIL"):
+        pytest.importorskip(package)
+    done = run("beside_others.py", tmp_path)
+    said = dict(line.split(": ", 1) for line in done.stdout.splitlines() if ": " in line)
+    assert said["remanifold"] == "a torus"
+    assert said["ball pivoting"] != "a torus" != said["screened Poisson"]
+    assert (tmp_path / "beside_others.png").stat().st_size < 200_000
+
+
 def test_sampling_compares_random_with_even():
     done = run("sampling.py", "--seeds", 2, "--shapes", "sphere", "planar_curve")
     rows = [line.split() for line in done.stdout.splitlines()[1:]]
