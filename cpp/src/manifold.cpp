@@ -204,9 +204,13 @@ Reconstruction reconstruct(const Samples& given, const ReconstructOptions& optio
   }
   steps.regions.edge_sets = {};  // the stars are all that is needed
   detail::begin_step(execution, Step::kComplex, 0);
-  ManifoldComplex complex =
-      build_manifold(samples.knowing(neighborhoods), neighborhoods, steps.tangents,
-                     steps.regions, manifold, solver, execution);
+  // The same ones whatever the search knows.
+  const Index count = std::max(tangent.num_neighbors, certifying_count(dim));
+  const Neighborhoods fewer =
+      count < neighborhoods.count ? nearest_of(neighborhoods, count) : Neighborhoods{};
+  ManifoldComplex complex = build_manifold(
+      samples.knowing(neighborhoods), fewer.count > 0 ? fewer : neighborhoods,
+      steps.tangents, steps.regions, manifold, solver, execution);
   steps.regions = {};
   if (samples.has_points() && samples.ambient_dim() == dim && dim > 1) {
     leave_out_flat(samples, complex, execution);

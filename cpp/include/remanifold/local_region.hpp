@@ -24,13 +24,15 @@
 
 namespace remanifold {
 
-/// Neighbors that certify nearly all local regions of a random sample of a K-manifold: to
-/// know so many from the start saves asking again, which is dear where each query looks at
-/// all samples.
+/// Neighbors that certify most local regions of a random sample of a K-manifold.
+Index certifying_count(int dim);
+
+/// Neighbors to look for with this search: nearly all regions of a random sample are
+/// certified by them where each query looks at all samples, and asking again is dear.
 Index certifying_count(int dim, const NeighborSearch& search);
 
 /// A weight per sample: 1e-10 times the squared distance to its nearest neighbor times a
-/// hash of its input number in [0, 1).
+/// hash of its position in [0, 1), or of its input number where it has none.
 std::vector<double> tie_weights(const Samples& samples,
                                 const Neighborhoods& neighborhoods);
 

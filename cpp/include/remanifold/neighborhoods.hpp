@@ -98,6 +98,9 @@ struct Neighborhoods {
 Neighborhoods find_neighborhoods(const Samples& samples, const NeighborSearch& search,
                                  Index count, const Execution& execution = {});
 
+/// The first of each.
+Neighborhoods nearest_of(const Neighborhoods& known, Index count);
+
 /// What find_neighborhoods finds where the search is exact and some samples were left out
 /// since these neighborhoods were found: the search is only asked where too few are left.
 /// \param left_out  ascending numbers among the samples of the known neighborhoods

@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <memory>
 #include <numeric>
@@ -54,6 +55,24 @@ double hash_to_unit(std::uint64_t key) {
   key *= 0xc4ceb9fe1a85ec53ULL;
   key ^= key >> 33;
   return static_cast<double>(key >> 11) * 0x1p-53;
+}
+
+/// Of the position, so that the order of the samples decides no tie; of the number where
+/// there is no position.
+double hash_of(const Samples& samples, Index i) {
+  if (!samples.has_points()) {
+    return hash_to_unit(static_cast<std::uint64_t>(samples.input_index(i)));
+  }
+  std::uint64_t key = 0;
+  double hash = 0;
+  for (int j = 0; j < samples.ambient_dim(); ++j) {
+    const double coordinate = samples.point(i)[j] + 0.0;  // one zero, not two
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, &coordinate, sizeof bits);
+    hash = hash_to_unit(key ^ bits);
+    key = 31 * (key ^ bits) + static_cast<std::uint64_t>(hash * 0x1p53);
+  }
+  return hash;
 }
 
 /// The local regions of one thread, one sample after the other.
@@ -559,6 +578,8 @@ void compute_all(const Samples& samples, const NeighborSearch& search,
 
 }  // namespace
 
+Index certifying_count(int dim) { return typical_count(dim); }
+
 Index certifying_count(int dim, const NeighborSearch& search) {
   constexpr Index generous = 4;
   return typical_count(dim) * (search.query()->looks_at_all() ? generous : 1);
@@ -573,7 +594,7 @@ std::vector<double> tie_weights(const Samples& samples,
   for (Index i = 0; i < samples.size(); ++i) {
     weights[i] = detail::kTieWeight *
                  detail::KnownDistances(samples, neighborhoods).nearest(i) *
-                 hash_to_unit(static_cast<std::uint64_t>(samples.input_index(i)));
+                 hash_of(samples, i);
   }
   return weights;
 }

@@ -398,6 +398,20 @@ Neighborhoods find_neighborhoods(const Samples& samples, const NeighborSearch& s
   return result;
 }
 
+Neighborhoods nearest_of(const Neighborhoods& known, Index count) {
+  Neighborhoods result;
+  result.count = std::min(count, known.count);
+  const auto take = [&](const auto& from, auto& into) {
+    for (std::size_t i = 0; i < from.size(); i += known.count) {
+      const auto first = from.begin() + static_cast<Offset>(i);
+      into.insert(into.end(), first, first + result.count);
+    }
+  };
+  take(known.indices, result.indices);
+  take(known.squared_distances, result.squared_distances);
+  return result;
+}
+
 Neighborhoods keep_neighborhoods(const Neighborhoods& known,
                                  const std::vector<Index>& left_out,
                                  const Samples& samples, const NeighborSearch& search,

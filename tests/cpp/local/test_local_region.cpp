@@ -244,18 +244,27 @@ TEST(LocalRegions, CountsSamplesStraightAbove) {
   EXPECT_GE(regions.vacuous_constraints, 2);
 }
 
-TEST(TieWeights, AreTinyAndFixedByTheInputNumber) {
-  const Cloud cloud = testing::grid(6, 2);
+TEST(TieWeights, AreTinyAndFixedByThePosition) {
+  Cloud cloud = testing::grid(6, 2);
+  const auto weights_of = [](const Cloud& points) {
+    const Samples samples = Samples::from_points(points.view());
+    const NeighborSearch search(samples);
+    return tie_weights(samples, find_neighborhoods(samples, search, 4));
+  };
   const Samples samples = Samples::from_points(cloud.view());
-  const NeighborSearch search(samples);
-  const Neighborhoods neighborhoods = find_neighborhoods(samples, search, 4);
-  const std::vector<double> weights = tie_weights(samples, neighborhoods);
+  const std::vector<double> weights = weights_of(cloud);
   std::set<double> distinct(weights.begin(), weights.end());
   EXPECT_EQ(distinct.size(), weights.size());
   for (const double w : weights) {
     EXPECT_GE(w, 0);
     EXPECT_LE(w * samples.scale() * samples.scale(), 1e-10);
   }
+  // Canonical samples stand in the same order, whatever that of the input.
+  std::reverse(cloud.points.begin(), cloud.points.end());
+  for (std::size_t i = 0; i < cloud.points.size(); i += 2) {
+    std::swap(cloud.points[i], cloud.points[i + 1]);
+  }
+  EXPECT_EQ(weights_of(cloud), weights);
 }
 
 }  // namespace

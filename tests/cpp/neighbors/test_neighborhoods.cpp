@@ -170,6 +170,21 @@ TEST(Neighborhoods, WhatIsKeptIsWhatWouldBeFound) {
   }
 }
 
+TEST(Neighborhoods, TheFirstOfEach) {
+  const Cloud cloud = testing::gaussian(50, 3, 7);
+  const Samples samples = Samples::from_points(cloud.view());
+  const NeighborSearch search(samples, {SearchMethod::kBruteForce});
+  const Neighborhoods all = find_neighborhoods(samples, search, 20);
+  for (const Index count : {1, 7, 20, 30}) {
+    const Neighborhoods first = nearest_of(all, count);
+    const Neighborhoods found =
+        find_neighborhoods(samples, search, std::min(count, 20));
+    EXPECT_EQ(first.count, found.count);
+    EXPECT_EQ(first.indices, found.indices);
+    EXPECT_EQ(first.squared_distances, found.squared_distances);
+  }
+}
+
 TEST(Neighborhoods, AnyPositionByTheKdTree) {
   const Cloud cloud = testing::gaussian(200, 3, 7);
   const Samples samples = Samples::from_points(cloud.view());

@@ -129,7 +129,9 @@ def test_the_picture_of_the_readme(tmp_path):
     for package in ("pymeshlab", "pyvista", "PIL"):
         pytest.importorskip(package)
     done = run("beside_others.py", tmp_path)
-    said = dict(line.split(": ", 1) for line in done.stdout.splitlines() if ": " in line)
+    said = dict(
+        line.split(": ", 1) for line in done.stdout.splitlines() if ": " in line
+    )
     assert said["remanifold"] == "a torus"
     assert said["ball pivoting"] != "a torus" != said["screened Poisson"]
     assert (tmp_path / "beside_others.png").stat().st_size < 200_000
