@@ -11,10 +11,10 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
-#include <map>
 #include <numeric>
 #include <stdexcept>
 #include <string>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -349,33 +349,53 @@ class SurfaceLink {
   std::size_t num_open_ = 0;
 };
 
-/// Shapes of links of links. The link of a face is that of each of its vertices in the link
-/// of the others: what was found for it is found again.
+/// Shapes of links of faces. The link of a face is that of each of its vertices in the link
+/// of the others: what was found for it is found again, until there is too much of it.
 class LinkShapes {
  public:
+  /// Of the whole, as the link of what is not among its vertices.
   LinkShape of(const SimplexArray& link);
 
- private:
-  LinkShape of_link(const SimplexArray& around, Index vertex) {
-    constexpr std::size_t never_again = 1;
-    face_.push_back(vertex);
-    LinkShape shape;
-    if (face_.size() <= never_again || around.arity <= 2) {
-      shape = of(around);
-    } else {
-      std::vector<Index> key = face_;
-      std::sort(key.begin(), key.end());
-      const auto at = known_.find(key);
-      shape = at != known_.end()
-                  ? at->second
-                  : known_.emplace(std::move(key), of(around)).first->second;
+  /// \param link  of a vertex
+  LinkShape of_vertex(Index vertex, const SimplexArray& link) {
+    if (known_.size() > kMostKnown) {
+      known_.clear();
     }
-    face_.pop_back();
+    face_.assign(1, vertex);
+    LinkShape shape = of(link);
+    face_.clear();
     return shape;
   }
 
-  std::vector<Index> face_;  // whose link is looked at, of the first
-  std::map<std::vector<Index>, LinkShape> known_;
+ private:
+  static constexpr std::size_t kMostKnown = std::size_t{1} << 18;
+
+  struct HashOfFace {
+    std::size_t operator()(const std::vector<Index>& face) const {
+      std::size_t hash = 0;
+      for (const Index v : face) {
+        hash = (hash ^ static_cast<std::size_t>(v)) * 0x9e3779b97f4a7c15U;
+        hash ^= hash >> 29;
+      }
+      return hash;
+    }
+  };
+
+  LinkShape of_link(const SimplexArray& around, Index vertex) {
+    face_.push_back(vertex);
+    std::vector<Index> key = face_;
+    std::sort(key.begin(), key.end());
+    auto at = known_.find(key);
+    if (at == known_.end()) {
+      LinkShape shape = of(around);
+      at = known_.emplace(std::move(key), std::move(shape)).first;
+    }
+    face_.pop_back();
+    return at->second;
+  }
+
+  std::vector<Index> face_;  // whose link is looked at
+  std::unordered_map<std::vector<Index>, LinkShape, HashOfFace> known_;
 };
 
 /// A complex of dimension 2 and more is a sphere or a ball, as far as this is told, where
@@ -461,6 +481,7 @@ std::vector<Index> find_singular(const SimplexArray& simplices,
   std::vector<std::uint8_t> singular(marked.size(), 0);
   for_each_block([&](Offset begin, Offset end) {
     SimplexArray link{simplices.arity - 1, {}};
+    LinkShapes shapes;
     for (Offset v = begin; v < end; ++v) {
       if (stars.size(v) == 0) {
         continue;
@@ -469,7 +490,7 @@ std::vector<Index> find_singular(const SimplexArray& simplices,
       for (const Offset* s = stars.begin(v); s != stars.end(v); ++s) {
         append_opposite(simplices[*s], static_cast<Index>(v), link);
       }
-      singular[v] = is_sphere_or_ball(link) ? 0 : 1;
+      singular[v] = shapes.of_vertex(static_cast<Index>(v), link).good ? 0 : 1;
     }
   });
   std::vector<Index> result;
