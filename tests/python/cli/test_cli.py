@@ -675,9 +675,9 @@ def test_old_words_are_taken_and_said(tmp_path):
         (["--boundary", "closed"], "--boundary no"),
         (["--outliers", "keep"], "--outliers no"),
     ):
-        done = CliRunner().invoke(cli.app, [*arguments, *old])
+        done = RUNNER.invoke(cli.app, [*arguments, *old])
         assert done.exit_code == 0, done.output
         assert f"is called {new} now" in done.stderr
-    done = CliRunner().invoke(cli.app, [*arguments, "--num-threads", "-1"])
+    done = RUNNER.invoke(cli.app, [*arguments, "--num-threads", "-1"])
     assert done.exit_code == 0
     assert "is called" not in done.stderr

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.optimize import Bounds, LinearConstraint, milp
-from scipy.sparse import csr_array, eye_array, hstack
+from scipy.sparse import csr_array, eye, hstack
 
 import remanifold as rm
 from remanifold import _core
@@ -74,7 +74,7 @@ def least_energy(found):
     columns = np.repeat(np.arange(num), facets.shape[1])
     incidence = csr_array((np.ones(len(rows)), (rows, columns)), shape=(size, num))
     rims = (found["rims"] >= 0).astype(float)
-    matrix = hstack([incidence, -2 * eye_array(size), -eye_array(size)]).tocsr()
+    matrix = hstack([incidence, -2 * eye(size), -eye(size)]).tocsr()
     costs = np.concatenate([found["energies"], np.zeros(size), found["prices"]])
     solved = milp(
         costs,

@@ -13,8 +13,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from scipy.spatial.distance import cdist
 
 import reference as ref
@@ -45,9 +43,9 @@ def judge(rec, shape):
 # Shapes without boundary: sample numbers of which cavities are left, the number of
 # cases, and how many of these must be compared, and be filled at all.
 CLOSED = {
-    "circle": (8, 30, 12, 10, 1),
+    "circle": (8, 30, 60, 50, 1),
     "trefoil": (50, 120, 12, 6, 3),
-    "closed_curve": (15, 40, 12, 10, 1),
+    "closed_curve": (10, 30, 60, 50, 1),
     "sphere": (25, 60, 12, 10, 0),
     "torus": (200, 300, 12, 6, 6),
     "flat_torus": (200, 300, 12, 6, 6),
@@ -94,7 +92,11 @@ def compare_with_reference(name, num, seed, hole_radius, tally):
         found = rows(rec.simplices)
         fixed = rows(cavities.fixed)
         assert fixed <= found
-        assert rows(rec.repair.filled_simplices) == found - fixed
+        # Agreed ones that made a patch non-orientable are freed, and may be chosen again.
+        again = rows(rec.repair.filled_simplices) - (found - fixed)
+        assert rows(rec.repair.filled_simplices) >= found - fixed
+        assert again <= fixed
+        assert not again or not topology.orientable
         filled = np.array(sorted(found - fixed), int).reshape(-1, dim + 1)
         energy = ref.energies(points, scales, filled).sum()
         assert energy == pytest.approx(filling.energy, rel=1e-7)
@@ -110,17 +112,12 @@ def compare_with_reference(name, num, seed, hole_radius, tally):
 def test_the_chain_has_the_least_energy(name):
     low, high, num_cases, least_compared, least_filled = CLOSED[name]
     tally = Counter()
-
-    @settings(deadline=None, derandomize=True, max_examples=num_cases, database=None)
-    @given(
-        st.integers(low, high),
-        st.integers(0, 10**6),
-        st.sampled_from([None, 2.6, 4.0]),
-    )
-    def compare(num, seed, hole_radius):
-        compare_with_reference(name, num, seed, hole_radius, tally)
-
-    compare()
+    # Not drawn by Hypothesis: another release draws others, and the counts with them.
+    generator = np.random.default_rng(list(name.encode()))
+    for _ in range(num_cases):
+        num, seed = generator.integers(low, high), generator.integers(10**6)
+        hole_radius = generator.choice([None, 2.6, 4.0])
+        compare_with_reference(name, int(num), int(seed), hole_radius, tally)
     assert tally["compared"] >= least_compared
     assert tally["unique"] == tally["compared"]  # ties are for samples in odd places
     assert tally["filled"] >= least_filled
