@@ -8,6 +8,7 @@
 #include "local/region.hpp"
 #include "local/tangent_frames.hpp"
 #include "remanifold/verify.hpp"
+#include "samples/distance.hpp"
 #include "samples/known_distances.hpp"
 
 #include <Eigen/Core>
@@ -280,11 +281,16 @@ class RegionKernel {
     }
     if (ambient_dim <= kPlainLoopDim) {
       coordinates.setZero();
+      double squares = 0;
       for (int j = 0; j < ambient_dim; ++j) {
         const double difference = pq[j] - px[j];
+        squares += difference * difference;
         for (int k = 0; k < dim(); ++k) {
           coordinates[k] += basis[k * ambient_dim + j] * difference;
         }
+      }
+      if (ambient_dim < detail::kInOneSum) {
+        return squares;
       }
     } else {
       using Map = Eigen::Map<const Eigen::VectorXd>;

@@ -9,10 +9,13 @@
 
 namespace remanifold::detail {
 
+/// With fewer coordinates their squares are added up one after the other.
+constexpr int kInOneSum = 8;
+
 /// \param worst  beyond this the value does not matter, as long as it is larger
 inline double squared_distance(const double* a, const double* b, std::size_t dim,
                                double worst = std::numeric_limits<double>::infinity()) {
-  if (dim < 8) {
+  if (dim < std::size_t{kInOneSum}) {
     double sum = 0;
     for (std::size_t i = 0; i < dim; ++i) {
       const double d = a[i] - b[i];
