@@ -159,7 +159,7 @@ TEST(ConvexHullD, HasTheFacetsThatTryingAllFinds) {
 }
 
 template <int K>
-void expect_hull_of_lattice(int dim, int side_length) {
+void expect_hull_of_lattice(int dim, int side_length, int rounds) {
   std::vector<Point> points;
   int count = 1;
   for (int axis = 0; axis < dim; ++axis) {
@@ -176,7 +176,7 @@ void expect_hull_of_lattice(int dim, int side_length) {
   std::vector<Index> order(points.size());
   std::iota(order.begin(), order.end(), 0);
   std::mt19937 random(dim);
-  for (int round = 0; round < 3; ++round) {
+  for (int round = 0; round < rounds; ++round) {
     std::shuffle(order.begin(), order.end(), random);
     Grown<K> grown(dim);
     for (const Index i : order) {
@@ -197,9 +197,9 @@ void expect_hull_of_lattice(int dim, int side_length) {
 }
 
 TEST(ConvexHullD, OfLatticesWithRepeatedPoints) {
-  expect_hull_of_lattice<3>(3, 5);
-  expect_hull_of_lattice<4>(4, 3);
-  expect_hull_of_lattice<Eigen::Dynamic>(5, 3);
+  expect_hull_of_lattice<3>(3, 5, 5);
+  expect_hull_of_lattice<4>(4, 3, 1);
+  expect_hull_of_lattice<Eigen::Dynamic>(4, 3, 1);
 }
 
 TEST(ConvexHullD, OfMoreDimensionsThanMinorsAreExpandedFor) {
