@@ -32,7 +32,7 @@ mapfile -t public < <(sources cpp/include)
 mapfile -t not_flann < <(sources cpp tests/cpp | grep -v -e '^cpp/cmake/' \
   -e 'CMakeLists' -e '^cpp/src/neighbors/neighborhoods\.cpp$')
 mapfile -t not_cgal < <(sources cpp tests/cpp | grep -v -e '^cpp/cmake/' \
-  -e 'CMakeLists' -e '^cpp/src/local/convex_hull_[^/]*\.cpp$' \
+  -e 'CMakeLists' -e '^cpp/src/local/exact_orientation\.cpp$' \
   -e '^cpp/src/chain/candidates\.cpp$')
 mapfile -t below < <(sources 'python/remanifold/*.py' |
   grep -v -e '^python/remanifold/cli/' -e '^python/remanifold/__init__\.py$')
