@@ -30,6 +30,7 @@ py::dict topology(const InputArray<Index>& simplices, Index num_vertices,
   out["closed_patches"] = result.closed_patches;
   out["closed_orientable_patches"] = result.closed_orientable_patches;
   out["singular_vertices"] = to_numpy(std::move(result.singular_vertices));
+  out["undecided_vertices"] = to_numpy(std::move(result.undecided_vertices));
   return out;
 }
 

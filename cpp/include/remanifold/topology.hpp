@@ -46,6 +46,9 @@ struct Topology {
   /// has the Euler characteristic of a sphere or, where it has a boundary, of a ball, and
   /// the links of its own vertices satisfy the same.
   std::vector<Index> singular_vertices;
+  /// Vertices that are not singular by these conditions and whose links were not proved to
+  /// be spheres or balls by collapsing them. None for K <= 3.
+  std::vector<Index> undecided_vertices;
 };
 
 /// \throws std::invalid_argument  vertex out of range, columns that do not ascend

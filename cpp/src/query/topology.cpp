@@ -6,6 +6,7 @@
 #include "base/parallel.hpp"
 #include "base/sort_unique.hpp"
 #include "complex/simplex_rows.hpp"
+#include "query/collapse.hpp"
 #include "remanifold/facets.hpp"
 
 #include <algorithm>
@@ -21,6 +22,8 @@
 namespace remanifold {
 namespace {
 
+/// Vertices whose links one thread looks at, which share what is known of their faces.
+constexpr Offset kLinksOfBlock = 256;
 /// Links of more vertices than this have no tables of pairs of them.
 constexpr std::size_t kMaxTableVertices = 128;
 
@@ -177,6 +180,7 @@ void append_opposite(const Index* simplex, Index vertex, SimplexArray& faces) {
 /// What a link is found to be.
 struct LinkShape {
   bool good = false;           // a sphere or a ball; all else is known only of those
+  bool certain = false;        // and proved to be one
   std::vector<Offset> counts;  // faces by dimension
   Offset num_open = 0;         // facets with one coface
 };
@@ -205,7 +209,7 @@ LinkShape shape_of_graph(const SimplexArray& graph) {
       ++tree_edges;
     }
   }
-  shape.good = tree_edges + 1 == ends.size();
+  shape.good = shape.certain = tree_edges + 1 == ends.size();
   shape.counts = {static_cast<Offset>(ends.size()), graph.size()};
   shape.num_open = 2 * (shape.counts[0] - shape.counts[1]);
   return shape;
@@ -225,7 +229,7 @@ class SurfaceLink {
 
   LinkShape shape() {
     LinkShape shape;
-    shape.good = fill_edges() && is_sphere_or_disc();
+    shape.good = shape.certain = fill_edges() && is_sphere_or_disc();
     shape.counts = {static_cast<Offset>(num_vertices_), static_cast<Offset>(num_edges_),
                     triangles_.size()};
     shape.num_open = static_cast<Offset>(num_open_);
@@ -353,6 +357,9 @@ class SurfaceLink {
 /// of the others: what was found for it is found again, until there is too much of it.
 class LinkShapes {
  public:
+  /// \param certify  whether proof is looked for beyond dimension 2, by collapsing
+  explicit LinkShapes(bool certify = false) : certify_(certify) {}
+
   /// Of the whole, as the link of what is not among its vertices.
   LinkShape of(const SimplexArray& link);
 
@@ -394,6 +401,7 @@ class LinkShapes {
     return at->second;
   }
 
+  bool certify_;
   std::vector<Index> face_;  // whose link is looked at
   std::unordered_map<std::vector<Index>, LinkShape, HashOfFace> known_;
 };
@@ -404,7 +412,8 @@ class LinkShapes {
 LinkShape LinkShapes::of(const SimplexArray& link) {
   const int dim = link.arity - 1;
   if (dim == 0) {
-    return {link.size() <= 2, {link.size()}, link.size() == 1 ? 1 : 0};
+    const bool good = link.size() <= 2;
+    return {good, good, {link.size()}, link.size() == 1 ? 1 : 0};
   }
   if (dim == 1) {
     return shape_of_graph(link);
@@ -431,6 +440,7 @@ LinkShape LinkShapes::of(const SimplexArray& link) {
   std::vector<Offset> last(link.size(), -1);  // vertex of each simplex gone through
   LinkShape shape;
   shape.counts.assign(dim + 1, 0);
+  bool parts_are_certain = true;
   SimplexArray around{dim, {}};
   for (Offset v = 0; v < num_vertices; ++v) {
     around.vertices.clear();
@@ -443,6 +453,7 @@ LinkShape LinkShapes::of(const SimplexArray& link) {
     if (!part.good) {
       return shape;
     }
+    parts_are_certain = parts_are_certain && part.certain;
     for (int d = 0; d < dim; ++d) {
       shape.counts[d + 1] += part.counts[d];
     }
@@ -459,15 +470,24 @@ LinkShape LinkShapes::of(const SimplexArray& link) {
   for (Offset v = 1; v < num_vertices && shape.good; ++v) {
     shape.good = sets.find(v) == 0;
   }
+  if (shape.good && parts_are_certain) {
+    shape.certain = dim == 2 || (certify_ && detail::collapses_to_point(link, closed));
+  }
   return shape;
 }
 
-/// The marked vertices whose links are neither spheres nor balls.
+struct LinkFindings {
+  std::vector<Index> singular;   // neither a sphere nor a ball
+  std::vector<Index> undecided;  // not proved to be one
+};
+
+/// The links of the marked vertices.
+/// \param certify         as of LinkShapes
 /// \param for_each_block  runs a body(begin, end) on all vertices
 template <class Loop>
-std::vector<Index> find_singular(const SimplexArray& simplices,
-                                 const std::vector<std::uint8_t>& marked,
-                                 const Loop& for_each_block) {
+LinkFindings look_at_links(const SimplexArray& simplices,
+                           const std::vector<std::uint8_t>& marked, bool certify,
+                           const Loop& for_each_block) {
   const auto num_vertices = static_cast<Offset>(marked.size());
   const auto stars = detail::ragged_of<Offset>(num_vertices, [&](const auto& add) {
     for (Offset s = 0; s < simplices.size(); ++s) {
@@ -478,10 +498,12 @@ std::vector<Index> find_singular(const SimplexArray& simplices,
       }
     }
   });
-  std::vector<std::uint8_t> singular(marked.size(), 0);
+  constexpr std::uint8_t singular = 1;
+  constexpr std::uint8_t undecided = 2;
+  std::vector<std::uint8_t> found(marked.size(), 0);
   for_each_block([&](Offset begin, Offset end) {
     SimplexArray link{simplices.arity - 1, {}};
-    LinkShapes shapes;
+    LinkShapes shapes(certify);
     for (Offset v = begin; v < end; ++v) {
       if (stars.size(v) == 0) {
         continue;
@@ -490,13 +512,15 @@ std::vector<Index> find_singular(const SimplexArray& simplices,
       for (const Offset* s = stars.begin(v); s != stars.end(v); ++s) {
         append_opposite(simplices[*s], static_cast<Index>(v), link);
       }
-      singular[v] = shapes.of_vertex(static_cast<Index>(v), link).good ? 0 : 1;
+      const LinkShape shape = shapes.of_vertex(static_cast<Index>(v), link);
+      found[v] = !shape.good ? singular : shape.certain ? 0 : undecided;
     }
   });
-  std::vector<Index> result;
+  LinkFindings result;
   for (Offset v = 0; v < num_vertices; ++v) {
-    if (singular[v] != 0) {
-      result.push_back(static_cast<Index>(v));
+    if (found[v] != 0) {
+      (found[v] == singular ? result.singular : result.undecided)
+          .push_back(static_cast<Index>(v));
     }
   }
   return result;
@@ -645,10 +669,13 @@ Topology compute_topology(const SimplexArray& simplices, Index num_vertices,
 
   execution.poll();
   detail::begin_step(execution, Step::kTopology, num_vertices);
-  result.singular_vertices = find_singular(
-      simplices, std::vector<std::uint8_t>(num_vertices, 1), [&](const auto& body) {
-        detail::for_each_block(num_vertices, 256, execution, body);
+  LinkFindings links = look_at_links(
+      simplices, std::vector<std::uint8_t>(num_vertices, 1), true,
+      [&](const auto& body) {
+        detail::for_each_block(num_vertices, kLinksOfBlock, execution, body);
       });
+  result.singular_vertices = std::move(links.singular);
+  result.undecided_vertices = std::move(links.undecided);
   return result;
 }
 
@@ -657,10 +684,13 @@ std::vector<Index> singular_vertices(const SimplexArray& simplices,
                                      const Execution& execution) {
   const SimplexArray near = detail::select_rows(
       simplices, detail::rows_near(simplices, marked, 1, execution));
-  return find_singular(near, marked, [&](const auto& body) {
-    detail::for_each_block_uncounted(static_cast<Offset>(marked.size()), 256, execution,
-                                     body);
-  });
+  return look_at_links(near, marked, false,
+                       [&](const auto& body) {
+                         detail::for_each_block_uncounted(
+                             static_cast<Offset>(marked.size()), kLinksOfBlock,
+                             execution, body);
+                       })
+      .singular;
 }
 
 OpenFaces find_open_faces(const Faces& faces,

@@ -268,8 +268,9 @@ def compute_topology(
 ) -> Topology:
     """Topology of the complex whose top simplices are the rows.
 
-    Exact for K <= 3. For K >= 4 a link counts as a sphere or a ball by conditions that
-    are necessary, not sufficient: it is a connected pseudomanifold with the Euler
+    Exact for K <= 3. For K >= 4 links are proved to be spheres or balls by collapsing
+    them. Where that does not succeed a link counts as one by conditions that are
+    necessary, not sufficient: it is a connected pseudomanifold with the Euler
     characteristic of a sphere or a ball, its homology over Z2 and Z3 is that of one,
     and the same holds for the links of its own vertices. `manifold` and
     `singular_vertices` may then miss a singular vertex, but report none that is not.
@@ -310,8 +311,10 @@ def topology_of(
         )
     dim = simplices.shape[1] - 1
     singular = counts["singular_vertices"]
-    if dim >= 4:
-        singular = _singular_by_homology(simplices, singular)
+    if len(counts["undecided_vertices"]):
+        singular = _singular_by_homology(
+            simplices, singular, counts["undecided_vertices"]
+        )
     return Topology(
         dim=dim,
         num_simplices=tuple(int(n) for n in counts["face_counts"]),
@@ -373,26 +376,21 @@ def _homology(tree: Any, dim: int, modulus: int) -> tuple[int, ...]:
 
 
 def _singular_by_homology(
-    simplices: NDArray[np.int32], known: NDArray[np.int32]
+    simplices: NDArray[np.int32],
+    known: NDArray[np.int32],
+    undecided: NDArray[np.int32],
 ) -> NDArray[np.int32]:
-    """Add the vertices whose link lacks the homology of a sphere or a ball."""
+    """Add those undecided whose link lacks the homology of a sphere or a ball."""
     arity = simplices.shape[1]
     bad = set(known.tolist())
-    if len(simplices) == 0:
-        return known
-    order = np.argsort(simplices, axis=None, kind="stable")
-    vertices, starts = np.unique(simplices.ravel()[order], return_index=True)
-    ends = np.append(starts[1:], len(order))
-    for vertex, start, end in zip(vertices, starts, ends, strict=True):
-        if int(vertex) in bad:
-            continue
-        star = simplices[order[start:end] // arity]
+    for vertex in undecided:
+        star = simplices[(simplices == vertex).any(axis=1)]
         link = star[star != vertex].reshape(len(star), arity - 1)
         tree = _simplex_tree(link)
         for modulus in (2, 3):
             betti = _homology(tree, arity - 2, modulus)
             if betti[0] != 1 or any(betti[1:-1]) or betti[-1] > 1:
                 bad.add(int(vertex))
-        if arity >= 6 and len(_singular_by_homology(link, known[:0])):
+        if arity >= 6 and len(_singular_by_homology(link, known[:0], np.unique(link))):
             bad.add(int(vertex))
     return np.array(sorted(bad), dtype=np.int32)

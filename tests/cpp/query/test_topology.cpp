@@ -40,6 +40,7 @@ TEST(Topology, Spheres) {
     EXPECT_TRUE(t.closed);
     EXPECT_TRUE(t.orientable);
     EXPECT_TRUE(t.singular_vertices.empty());
+    EXPECT_TRUE(t.undecided_vertices.empty());
     EXPECT_EQ(t.closed_patches, 1);
   }
 }
