@@ -58,23 +58,48 @@ double hash_to_unit(std::uint64_t key) {
   return static_cast<double>(key >> 11) * 0x1p-53;
 }
 
-/// Of the position, so that the order of the samples decides no tie; of the number where
-/// there is no position.
-double hash_of(const Samples& samples, Index i) {
-  if (!samples.has_points()) {
-    return hash_to_unit(static_cast<std::uint64_t>(samples.input_index(i)));
+/// A number in [0, 1) for each position, so that the order of the samples decides no tie.
+/// Axes on which all agree, which are zero then, do not matter.
+class PositionHash {
+ public:
+  explicit PositionHash(const Samples& samples) : samples_(samples) {
+    std::vector<std::uint8_t> varies(samples.ambient_dim(), 0);
+    for (Index i = 0; i < samples.size(); ++i) {
+      const double* point = samples.point(i);
+      for (int j = 0; j < samples.ambient_dim(); ++j) {
+        varies[j] |= point[j] != 0 ? 1 : 0;
+      }
+    }
+    for (int j = 0; j < samples.ambient_dim(); ++j) {
+      if (varies[j] != 0) {
+        axes_.push_back(j);
+      }
+    }
   }
-  std::uint64_t key = 0;
-  double hash = 0;
-  for (int j = 0; j < samples.ambient_dim(); ++j) {
-    const double coordinate = samples.point(i)[j] + 0.0;  // one zero, not two
-    std::uint64_t bits = 0;
-    std::memcpy(&bits, &coordinate, sizeof bits);
-    hash = hash_to_unit(key ^ bits);
-    key = 31 * (key ^ bits) + static_cast<std::uint64_t>(hash * 0x1p53);
+
+  double operator()(Index i) const {
+    const double* point = samples_.point(i);
+    std::uint64_t lanes[kLanes] = {1, 2, 3, 4};
+    for (std::size_t j = 0; j < axes_.size(); ++j) {
+      const double coordinate = point[axes_[j]] + 0.0;  // one zero, not two
+      std::uint64_t bits = 0;
+      std::memcpy(&bits, &coordinate, sizeof bits);
+      std::uint64_t& lane = lanes[j % kLanes];
+      lane = (lane ^ bits ^ bits >> 32) * 0x9e3779b97f4a7c15ULL;
+    }
+    std::uint64_t key = 0;
+    for (const std::uint64_t lane : lanes) {
+      key = (key ^ lane ^ lane >> 29) * 0xff51afd7ed558ccdULL;
+    }
+    return hash_to_unit(key);
   }
-  return hash;
-}
+
+ private:
+  static constexpr std::size_t kLanes = 4;
+
+  const Samples& samples_;
+  std::vector<int> axes_;
+};
 
 /// The local regions of one thread, one sample after the other.
 template <int K>
@@ -597,10 +622,18 @@ std::vector<double> tie_weights(const Samples& samples,
   if (neighborhoods.count == 0) {
     return weights;
   }
-  for (Index i = 0; i < samples.size(); ++i) {
-    weights[i] = detail::kTieWeight *
-                 detail::KnownDistances(samples, neighborhoods).nearest(i) *
-                 hash_of(samples, i);
+  const auto weigh = [&](const auto& hash) {
+    for (Index i = 0; i < samples.size(); ++i) {
+      weights[i] = detail::kTieWeight *
+                   detail::KnownDistances(samples, neighborhoods).nearest(i) * hash(i);
+    }
+  };
+  if (samples.has_points()) {
+    weigh(PositionHash(samples));
+  } else {
+    weigh([&](Index i) {
+      return hash_to_unit(static_cast<std::uint64_t>(samples.input_index(i)));
+    });
   }
   return weights;
 }
