@@ -136,7 +136,7 @@ std::set<Facet> by_trying(const std::vector<Point>& points, int dim) {
 template <int K>
 void expect_as_by_trying(int dim, int count) {
   std::mt19937 random(dim);
-  for (int round = 0; round < 4; ++round) {
+  for (int round = 0; round < 2; ++round) {
     const std::vector<Point> points = random_points(dim, count, random);
     Grown<K> grown(dim);
     for (Index i = 0; i < count; ++i) {
