@@ -26,10 +26,6 @@ constexpr double kVacuousSquaredSine = 1e-24;
 /// are those on the face of a grid, and rounding decides where their bisectors meet.
 constexpr double kFlatSimplex = 1e-10;
 
-/// Slack of the filter that passes over halfspaces which cannot cut; the exact hull
-/// decides on whatever the filter lets through.
-constexpr double kRedundantSlack = 1e-6;
-
 /// Error of a corner in units of its distance, times the volume spanned by the unit
 /// normals that meet in it.
 constexpr double kCornerError = 1e-14;

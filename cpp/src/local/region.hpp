@@ -213,6 +213,7 @@ class CornerSolver {
   std::vector<char> joined_;
 };
 
+/// K of 3 and more: the hull that is dual to the region, whose facets are its corners.
 template <int K>
 class Region : public RegionCorners<K> {
   using Base = RegionCorners<K>;
