@@ -21,7 +21,8 @@ import remanifold as rm
 FIGURES = Path(__file__).resolve().parents[1] / "figures"
 SAMPLES = 20_000
 NOISE = 2.0  # in median distances to the nearest neighbor
-COLORS = {"samples": "#5b6b7b", "mesh": "#e0a458", "edge": "#6b4a1f"}
+SAMPLE_COLOR = "#5b6b7b"
+MESH_COLOR = "#e0a458"
 
 
 def noisy_torus():
@@ -66,18 +67,11 @@ def main():
         off_screen=True, shape=(1, 4), window_size=(1600, 400), border=False
     )
     plotter.subplot(0, 0)
-    plotter.add_points(
-        points, color=COLORS["samples"], point_size=2, render_points_as_spheres=False
-    )
+    plotter.add_points(points, color=SAMPLE_COLOR, point_size=2)
     titles = [f"{SAMPLES:,} samples\nnoise of two spacings"]
     for i, (name, result) in enumerate(results.items(), start=1):
         plotter.subplot(0, i)
-        plotter.add_mesh(
-            result.to_pyvista(),
-            color=COLORS["mesh"],
-            smooth_shading=False,
-            show_edges=False,
-        )
+        plotter.add_mesh(result.to_pyvista(), color=MESH_COLOR)
         titles.append(f"{name}\n{said(result)}")
         print(titles[-1].replace("\n", ": "))
     for i, title in enumerate(titles):

@@ -383,8 +383,12 @@ def _singular_by_homology(
     """Add those undecided whose link lacks the homology of a sphere or a ball."""
     arity = simplices.shape[1]
     bad = set(known.tolist())
-    for vertex in undecided:
-        star = simplices[(simplices == vertex).any(axis=1)]
+    order = np.argsort(simplices, axis=None, kind="stable")
+    sorted_vertices = simplices.ravel()[order]
+    starts = np.searchsorted(sorted_vertices, undecided, side="left")
+    ends = np.searchsorted(sorted_vertices, undecided, side="right")
+    for vertex, start, end in zip(undecided, starts, ends, strict=True):
+        star = simplices[order[start:end] // arity]
         link = star[star != vertex].reshape(len(star), arity - 1)
         tree = _simplex_tree(link)
         for modulus in (2, 3):
