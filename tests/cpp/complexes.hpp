@@ -16,6 +16,20 @@ inline const SimplexArray kProjectivePlane{
     3, {0, 1, 2, 0, 1, 4, 0, 2, 5, 0, 3, 4, 0, 3, 5,
         1, 2, 3, 1, 3, 5, 1, 4, 5, 2, 3, 4, 2, 4, 5}};
 
+/// Boundary of the simplex on 0 .. dim + 1: the smallest sphere. Its first facets leave out
+/// the last vertices.
+inline SimplexArray simplex_boundary(int dim) {
+  SimplexArray result{dim + 1, {}};
+  for (Index out = dim + 1; out >= 0; --out) {
+    for (Index v = 0; v <= dim + 1; ++v) {
+      if (v != out) {
+        result.vertices.push_back(v);
+      }
+    }
+  }
+  return result;
+}
+
 /// Samples that keep their numbers, which points do not.
 struct Numbered {
   std::vector<double> distances;

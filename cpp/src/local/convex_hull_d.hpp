@@ -160,7 +160,6 @@ class HullPolytope {
     if (!free_.empty()) {
       const int facet = free_.back();
       free_.pop_back();
-      states_[facet] = kMaking;
       return facet;
     }
     vertices_.resize(vertices_.size() + k);

@@ -3,6 +3,7 @@
 
 #include "base/assertions.hpp"
 #include "base/dispatch.hpp"
+#include "base/mix_bits.hpp"
 #include "base/parallel.hpp"
 #include "base/tolerance.hpp"
 #include "local/region.hpp"
@@ -47,15 +48,10 @@ Index typical_count(int dim) {
   return counts[std::min(dim, 4)];
 }
 
-/// Uniform in [0, 1), by the finalizer of MurmurHash3 (Appleby, public domain).
+/// Uniform in [0, 1).
 double hash_to_unit(std::uint64_t key) {
-  key += 0x9e3779b97f4a7c15ULL;
-  key ^= key >> 33;
-  key *= 0xff51afd7ed558ccdULL;
-  key ^= key >> 33;
-  key *= 0xc4ceb9fe1a85ec53ULL;
-  key ^= key >> 33;
-  return static_cast<double>(key >> 11) * 0x1p-53;
+  return static_cast<double>(detail::mix_bits(key + 0x9e3779b97f4a7c15ULL) >> 11) *
+         0x1p-53;
 }
 
 /// A number in [0, 1) for each position, so that the order of the samples decides no tie.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "query/collapse.hpp"
 
+#include "base/csr.hpp"
+#include "base/mix_bits.hpp"
 #include "base/sort_unique.hpp"
 
 #include <algorithm>
@@ -39,10 +41,7 @@ struct Face {
 
 struct HashOfFace {
   std::size_t operator()(const Face& face) const {
-    // By the finalizer of MurmurHash3 (Appleby, public domain).
-    std::uint64_t key = face.low ^ face.high * 0x9e3779b97f4a7c15U;
-    key = (key ^ key >> 33) * 0xff51afd7ed558ccdU;
-    return static_cast<std::size_t>(key ^ key >> 33);
+    return static_cast<std::size_t>(mix_bits(face.low ^ mix_bits(face.high)));
   }
 };
 
@@ -63,14 +62,13 @@ class FacePoset {
     }
   }
 
-  std::size_t size() const { return offsets_.size(); }
+  std::size_t size() const { return static_cast<std::size_t>(facets_.rows()); }
   std::size_t top(std::size_t simplex) const { return tops_[simplex]; }
 
   template <class Visit>
   void for_each_facet(std::size_t face, const Visit& visit) const {
-    for (std::size_t i = 0; i < counts_[face]; ++i) {
-      visit(facets_[offsets_[face] + i]);
-    }
+    const auto row = static_cast<Offset>(face);
+    std::for_each(facets_.begin(row), facets_.end(row), visit);
   }
 
  private:
@@ -91,16 +89,13 @@ class FacePoset {
     }
     const std::size_t number = size();
     numbers_.emplace(face, number);
-    offsets_.push_back(facets_.size());
-    counts_.push_back(facets.size());
-    facets_.insert(facets_.end(), facets.begin(), facets.end());
+    facets_.values.insert(facets_.values.end(), facets.begin(), facets.end());
+    facets_.offsets.push_back(static_cast<Offset>(facets_.values.size()));
     return number;
   }
 
   std::unordered_map<Face, std::size_t, HashOfFace> numbers_;
-  std::vector<std::size_t> offsets_;
-  std::vector<std::size_t> counts_;
-  std::vector<std::size_t> facets_;
+  Ragged<std::size_t> facets_;
   std::vector<std::size_t> tops_;
 };
 

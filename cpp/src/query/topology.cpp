@@ -3,6 +3,7 @@
 
 #include "base/csr.hpp"
 #include "base/disjoint_sets.hpp"
+#include "base/mix_bits.hpp"
 #include "base/parallel.hpp"
 #include "base/sort_unique.hpp"
 #include "complex/simplex_rows.hpp"
@@ -379,12 +380,11 @@ class LinkShapes {
 
   struct HashOfFace {
     std::size_t operator()(const std::vector<Index>& face) const {
-      std::size_t hash = 0;
+      std::uint64_t hash = 0;
       for (const Index v : face) {
-        hash = (hash ^ static_cast<std::size_t>(v)) * 0x9e3779b97f4a7c15U;
-        hash ^= hash >> 29;
+        hash = detail::mix_bits(hash ^ static_cast<std::uint64_t>(v));
       }
-      return hash;
+      return static_cast<std::size_t>(hash);
     }
   };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "complexes.hpp"
 #include "query/collapse.hpp"
-#include "support.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,17 +10,8 @@
 namespace remanifold::detail {
 namespace {
 
-SimplexArray simplex_boundary(int dim) {
-  SimplexArray result{dim + 1, {}};
-  for (Index out = 0; out <= dim + 1; ++out) {
-    for (Index v = 0; v <= dim + 1; ++v) {
-      if (v != out) {
-        result.vertices.push_back(v);
-      }
-    }
-  }
-  return result;
-}
+using testing::kProjectivePlane;
+using testing::simplex_boundary;
 
 /// The simplices of two complexes on vertices of their own, joined pairwise.
 SimplexArray join(const SimplexArray& a, const SimplexArray& b) {
@@ -46,9 +37,6 @@ SimplexArray polygon(Index corners) {
   }
   return result;
 }
-
-const SimplexArray kProjectivePlane{3, {0, 1, 2, 0, 1, 4, 0, 2, 5, 0, 3, 4, 0, 3, 5,
-                                        1, 2, 3, 1, 3, 5, 1, 4, 5, 2, 3, 4, 2, 4, 5}};
 
 TEST(Collapse, SpheresWithoutASimplex) {
   for (int dim = 1; dim <= 6; ++dim) {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "complexes.hpp"
 #include "support.hpp"
 
 #include <gtest/gtest.h>
@@ -14,22 +15,9 @@
 namespace remanifold {
 namespace {
 
-/// Boundary of the simplex on 0 .. dim + 1: the smallest sphere.
-SimplexArray simplex_boundary(int dim) {
-  SimplexArray result{dim + 1, {}};
-  for (Index out = dim + 1; out >= 0; --out) {
-    for (Index v = 0; v <= dim + 1; ++v) {
-      if (v != out) {
-        result.vertices.push_back(v);
-      }
-    }
-  }
-  return result;
-}
+using testing::kProjectivePlane;
+using testing::simplex_boundary;
 
-// Six vertices, the least possible.
-const SimplexArray kProjectivePlane{3, {0, 1, 2, 0, 1, 4, 0, 2, 5, 0, 3, 4, 0, 3, 5,
-                                        1, 2, 3, 1, 3, 5, 1, 4, 5, 2, 3, 4, 2, 4, 5}};
 const SimplexArray kMoebiusBand{3, {0, 1, 2, 1, 2, 3, 2, 3, 4, 0, 3, 4, 0, 1, 4}};
 
 TEST(Topology, Spheres) {
