@@ -389,6 +389,7 @@ class RegionKernel {
     const double farthest = 10 * dim() * detail::kEndOfRegionAmongMany;
     do {
       region_.update();
+      added_.clear();
       for (std::size_t c = 0; c < region_.corners().size(); ++c) {
         execution_.poll();
         const Index* facet = region_.facet(c);
@@ -418,7 +419,8 @@ class RegionKernel {
     return false;
   }
 
-  /// Adds samples nearer to the corner than x until one is new or none is left.
+  /// Adds samples nearer to the corner than x until one is new or none is left. A corner
+  /// that was cut off by what another one added is left to the next look at the region.
   bool cut_corner(const Corner& corner) {
     const int ambient_dim = samples_.ambient_dim();
     if (tangents_.bases.empty()) {
@@ -440,15 +442,27 @@ class RegionKernel {
         return false;
       }
       neighbors_used_ += static_cast<Offset>(grown_.size());
+      bool cut = false;
       for (const Neighbor& neighbor : grown_) {
-        if (neighbor.index != x_ && seen_[neighbor.index] != x_) {
+        if (neighbor.index == x_) {
+          continue;
+        }
+        if (seen_[neighbor.index] == x_) {
+          cut = cut || std::find(added_.begin(), added_.end(), neighbor.index) !=
+                           added_.end();
+        } else {
           seen_[neighbor.index] = x_;
           Vector normal(dim());
           const double squared_distance = measure(neighbor.index, normal);
+          const int before = region_.fresh();
           add_halfspace(neighbor.index, squared_distance, normal);
+          if (region_.fresh() > before) {
+            added_.push_back(neighbor.index);
+          }
         }
       }
-      if (static_cast<Offset>(grown_.size()) < count || count == samples_.size()) {
+      if (cut || static_cast<Offset>(grown_.size()) < count ||
+          count == samples_.size()) {
         return true;
       }
       if (region_.fresh() > fresh_before) {
@@ -515,6 +529,7 @@ class RegionKernel {
   std::vector<double> ahead_distances_;
   std::vector<Neighbor> grown_;
   std::vector<Index> seen_;  // by certify_corners: the last x each sample was added to
+  std::vector<Index> added_;      // by certify_corners since the region's last update
   std::vector<Index> certified_;  // facets, K ids each
   Offset corner_count_ = 0;       // samples asked for around a corner
   double largest_weight_;
