@@ -16,7 +16,7 @@ from remanifold._base.html import fragment, histogram
 from remanifold._base.read_only import ReadOnlyArrays
 from remanifold._base.samples import Points
 from remanifold._base.text import two_digits
-from remanifold.complex.topology import topology_of
+from remanifold.judging.removal import mark_rows, removal_changes
 from remanifold.judging.singularities import singularities_of
 from remanifold.method.dimension import other_dimension
 
@@ -922,24 +922,15 @@ def _samples_of(openings: list[Opening]) -> NDArray[np.int64]:
 
 def _matters(found: _Findings, opening: Opening) -> bool:
     """Whether the topology is another one without what goes through a closed place."""
-    rows = found.rows
-    near = np.flatnonzero(np.isin(rows, opening.samples).all(axis=1))
-    own = {*map(tuple, opening.simplices.tolist())}
-    through = np.zeros(len(rows), dtype=bool)
-    through[near] = [tuple(row) in own for row in rows[near].tolist()]
-    return not through.any() or _changes(found, rows[~through])
+    through = mark_rows(found.rows, opening.simplices, len(found.own))
+    return not through.any() or _changes(found, through)
 
 
-def _changes(found: _Findings, fewer: NDArray[np.int32]) -> bool:
-    """Whether the topology is another one with fewer simplices.
-
-    It is not where they were taken away from a rim: the rim moves.
-    """
-    kinds = [
-        (one.components, one.euler_characteristic, one.boundary_components)
-        for one in (found.topology, topology_of(fewer, len(found.own)))
-    ]
-    return kinds[0] != kinds[1]
+def _changes(found: _Findings, removed: NDArray[np.bool_]) -> bool:
+    """Whether the topology is another one without some simplices."""
+    return removal_changes(
+        found.rows, removed, found.repair.open_faces, len(found.own)
+    )
 
 
 def _necks(found: _Findings) -> Iterator[_Sign]:
@@ -958,7 +949,8 @@ def _necks(found: _Findings) -> Iterator[_Sign]:
     chosen = [thin[groups == group] for group in range(min(count, MOST_OPENED))]
     if count > MOST_OPENED:
         chosen = [thin]
-    necks = [rows[one] for one in chosen if _changes(found, np.delete(rows, one, 0))]
+    number = np.arange(len(rows))
+    necks = [rows[one] for one in chosen if _changes(found, np.isin(number, one))]
     if necks:
         samples = np.unique(np.concatenate(necks)).astype(np.int64)
         yield _Sign(
