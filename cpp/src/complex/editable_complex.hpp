@@ -14,6 +14,13 @@ class EditableComplex {
  public:
   EditableComplex(const SimplexArray& simplices, Index num_vertices)
       : simplices_(simplices), stars_(num_vertices) {
+    std::vector<Index> counts(num_vertices, 0);
+    for (const Index v : simplices_.vertices) {
+      ++counts[v];
+    }
+    for (Index v = 0; v < num_vertices; ++v) {
+      stars_[v].reserve(counts[v]);
+    }
     for (Offset s = 0; s < simplices_.size(); ++s) {
       list(s);
     }

@@ -25,11 +25,59 @@ struct Entry {
   FacetNumber facet;
 };
 
+/// Sorts entries, equal ones by their number, and visits each group of equal ones.
+/// \param start  position of the first
+template <class Compare, class Visit>
+void visit_groups(std::vector<Entry>& entries, const Compare& compare, Offset start,
+                  const Visit& visit) {
+  detail::sort_few(entries.begin(), entries.end(),
+                   [&](const Entry& a, const Entry& b) {
+                     const int order = compare(a, b);
+                     return order != 0 ? order < 0 : a.facet < b.facet;
+                   });
+  std::size_t first = 0;
+  for (std::size_t i = 1; i <= entries.size(); ++i) {
+    if (i == entries.size() || compare(entries[first], entries[i]) != 0) {
+      visit(start + static_cast<Offset>(first), entries.data() + first,
+            static_cast<Offset>(i - first));
+      first = i;
+    }
+  }
+}
+
+/// The same as sort_facets() without a look at vertices that have none.
+template <class Visit>
+void sort_few_facets(const SimplexArray& simplices, const Visit& visit) {
+  const int arity = simplices.arity;
+  std::vector<Entry> entries;
+  entries.reserve(simplices.vertices.size());
+  for (FacetNumber f = 0; f < simplices.size() * arity; ++f) {
+    entries.push_back({0, f});
+  }
+  const auto compare = [&](const Entry& a, const Entry& b) {
+    const Index* row_a = simplices[a.facet / arity];
+    const Index* row_b = simplices[b.facet / arity];
+    for (int k = 0; k + 1 < arity; ++k) {
+      const Index va = facet_vertex(row_a, static_cast<int>(a.facet % arity), k);
+      const Index vb = facet_vertex(row_b, static_cast<int>(b.facet % arity), k);
+      if (va != vb) {
+        return va < vb ? -1 : 1;
+      }
+    }
+    return 0;
+  };
+  visit_groups(entries, compare, 0, visit);
+}
+
 /// Sorts facets by their vertices. visit(position, entries, count) is called, in parallel,
 /// for each group that has the same, with the group's position in the order of all.
 template <class Visit>
 void sort_facets(const SimplexArray& simplices, Index num_vertices,
                  const Execution& execution, const Visit& visit) {
+  if (simplices.size() < num_vertices / detail::kSparse) {
+    sort_few_facets(simplices, visit);
+    return;
+  }
   const int arity = simplices.arity;
   const auto vertex_of = [&](FacetNumber f, int position) {
     return facet_vertex(simplices[f / arity], static_cast<int>(f % arity), position);
@@ -68,20 +116,8 @@ void sort_facets(const SimplexArray& simplices, Index num_vertices,
           for (Offset i = by_second.begin(v); i < by_second.end(v); ++i) {
             add(by_second.row(i), 0);
           }
-          detail::sort_few(entries.begin(), entries.end(),
-                           [&](const Entry& a, const Entry& b) {
-                             const int order = compare(a, b);
-                             return order != 0 ? order < 0 : a.facet < b.facet;
-                           });
-          const Offset start = by_first.begin(v) * (arity - 1) + by_second.begin(v);
-          std::size_t first = 0;
-          for (std::size_t i = 1; i <= entries.size(); ++i) {
-            if (i == entries.size() || compare(entries[first], entries[i]) != 0) {
-              visit(start + static_cast<Offset>(first), entries.data() + first,
-                    static_cast<Offset>(i - first));
-              first = i;
-            }
-          }
+          visit_groups(entries, compare,
+                       by_first.begin(v) * (arity - 1) + by_second.begin(v), visit);
         }
       });
 }

@@ -48,14 +48,22 @@ std::vector<Offset> row_order(const SimplexArray& simplices,
                               const Execution& execution) {
   const int arity = simplices.arity;
   const Offset count = simplices.size();
-  const auto less = [&](Offset a, Offset b) {
-    return row_less(simplices[a] + 1, simplices[b] + 1, arity - 1);
-  };
-  // Buckets by the first column, then each on its own.
   Index last = 0;
   for (Offset s = 0; s < count; ++s) {
     last = std::max(last, *simplices[s]);
   }
+  if (count < last / kSparse) {
+    std::vector<Offset> order(count);
+    std::iota(order.begin(), order.end(), Offset{0});
+    std::stable_sort(order.begin(), order.end(), [&](Offset a, Offset b) {
+      return row_less(simplices[a], simplices[b], arity);
+    });
+    return order;
+  }
+  const auto less = [&](Offset a, Offset b) {
+    return row_less(simplices[a] + 1, simplices[b] + 1, arity - 1);
+  };
+  // Buckets by the first column, then each on its own.
   Buckets buckets(simplices, 0, last + 1);
   std::vector<Offset> order = buckets.take_rows();
   for_each_block_uncounted(last + 1, kBlock, execution, [&](Offset begin, Offset end) {

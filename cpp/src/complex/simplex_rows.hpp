@@ -12,6 +12,10 @@
 
 namespace remanifold::detail {
 
+/// Below one row for so many vertices, rows are sorted by comparing them: a few out of a
+/// large complex must not cost a look at all of its vertices.
+constexpr Offset kSparse = 8;
+
 /// Rows in lexicographic order, each once.
 SimplexArray sorted_unique(const SimplexArray& simplices,
                            const Execution& execution = {});
