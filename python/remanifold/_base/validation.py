@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import operator
 import os
+import sys
 from numbers import Real
 from typing import TYPE_CHECKING, Any
 
@@ -60,7 +61,7 @@ def check_points(
 
 def float_rows(points: ArrayLike, name: str) -> NDArray[Any]:
     """Numbers as they are, masked ones as NaN; what they are is for others to check."""
-    if isinstance(points, np.ma.MaskedArray) and points.dtype.kind in "biufc":
+    if _is_masked(points) and points.dtype.kind in "biufc":
         kind = np.complex128 if points.dtype.kind == "c" else np.float64
         array = np.array(np.ma.getdata(points), dtype=kind)
         array[np.ma.getmaskarray(points)] = np.nan
@@ -401,13 +402,18 @@ def check_bases(
     return array, np.ascontiguousarray(missing)
 
 
+def _is_masked(values: Any) -> bool:
+    # Who has a masked array has imported the module, which is slow to import.
+    return "numpy.ma" in sys.modules and isinstance(values, np.ma.MaskedArray)
+
+
 def _as_array(values: Any, name: str) -> NDArray[Any]:
     try:
         array = np.asarray(values)
     except ValueError:
         msg = f"{name} is not rectangular: its rows differ in length"
         raise ValueError(msg) from None
-    if isinstance(values, np.ma.MaskedArray) and array.dtype.names is None:
+    if _is_masked(values) and array.dtype.names is None:
         masked = np.argwhere(np.ma.getmaskarray(values))
         if len(masked):
             entry = f"{name}{masked[0].tolist() or ''}"
