@@ -53,6 +53,11 @@ constexpr std::array<Chance, kMaxOpeningDim> kChances{{
 constexpr double kChoice = 1;
 /// Samples around a cluster that its volume is weighed against.
 constexpr double kRingSamples = 150;
+/// So many of them and more, each time so many times as many, are compared with all: they
+/// are weighed against alone where their mean is larger by so many standard errors.
+constexpr double kLeastNested = 8;
+constexpr double kNestedGrowth = 1.5;
+constexpr double kNestedErrors = 1.5;
 /// With fewer there is nothing to weigh by.
 constexpr double kLeastRing = 8;
 /// Even samples have smaller gaps, but no sample tells how much smaller than this.
@@ -243,7 +248,9 @@ class OpeningFinder {
 
   /// Simplices around the cluster that are not large, whole layers of stars at a time,
   /// through large ones as well that are no candidates.
-  std::vector<Offset> ring_of(const std::vector<Offset>& cluster) {
+  /// \param layers  how many there are up to the end of each layer
+  std::vector<Offset> ring_of(const std::vector<Offset>& cluster,
+                              std::vector<std::size_t>& layers) {
     make_stars();
     const auto wanted =
         static_cast<std::size_t>(kRingSamples * chance_.simplices_per_sample);
@@ -274,6 +281,7 @@ class OpeningFinder {
           }
         }
       }
+      layers.push_back(ring.size());
     }
     for (const Index v : reached) {
       reached_[v] = 0;
@@ -316,26 +324,67 @@ class OpeningFinder {
     found_.openings.push_back(std::move(whole));
   }
 
+  /// By as much around as is alike: where what is near lies sparser than what is farther,
+  /// by more than chance explains, the density changes there, and what is near tells it.
   Ring measure_around(const std::vector<Offset>& cluster) {
-    const std::vector<Offset> ring = ring_of(cluster);
+    std::vector<std::size_t> layers;
+    const std::vector<Offset> ring = ring_of(cluster, layers);
+    std::vector<Moments> nested;
+    Moments sums;
+    std::size_t next = 0;
+    for (const std::size_t end : layers) {
+      for (; next < end; ++next) {
+        sums.add(ruler_.measure(simplices_[ring[next]], arity_).volume);
+      }
+      const double around = sums.count / chance_.simplices_per_sample;
+      if (around >= kLeastNested &&
+          (nested.empty() || sums.count >= kNestedGrowth * nested.back().count)) {
+        nested.push_back(sums);
+      }
+    }
+    if (nested.empty() || nested.back().count < sums.count) {
+      nested.push_back(sums);
+    }
+    while (nested.size() > 1 && differs_inside(nested)) {
+      nested.pop_back();
+    }
+    return ring_from(nested.back());
+  }
+
+  /// Of the volumes of some simplices.
+  struct Moments {
+    double count = 0;
     double sum = 0;
     double squares = 0;
-    for (const Offset s : ring) {
-      const double volume = ruler_.measure(simplices_[s], arity_).volume;
+    void add(double volume) {
+      count += 1;
       sum += volume;
       squares += volume * volume;
     }
-    const auto count = static_cast<double>(ring.size());
-    if (!(sum > 0)) {
+    double mean() const { return sum / count; }
+  };
+
+  bool differs_inside(const std::vector<Moments>& nested) const {
+    const Moments& whole = nested.back();
+    return std::any_of(nested.begin(), nested.end() - 1, [&](const Moments& near) {
+      const double open =
+          chance_.simplices_per_sample * (1 / near.count - 1 / whole.count);
+      return std::log(near.mean() / whole.mean()) > kNestedErrors * std::sqrt(open);
+    });
+  }
+
+  Ring ring_from(const Moments& sums) const {
+    if (!(sums.sum > 0)) {
       return {};
     }
-    const double around = count / chance_.simplices_per_sample;
-    const double variation = std::max(0.0, squares * count / (sum * sum) - 1);
+    const double around = sums.count / chance_.simplices_per_sample;
+    const double variation =
+        std::max(0.0, sums.squares * sums.count / (sums.sum * sums.sum) - 1);
     // Where the density changes, by that of the sparser side: the mean by volume.
     Ring measured;
     measured.samples = around;
     measured.mean =
-        sum / count * std::max(1.0, (1 + variation) / (1 + chance_.variation));
+        sums.mean() * std::max(1.0, (1 + variation) / (1 + chance_.variation));
     measured.dispersion = dispersion_of(variation, around);
     return measured;
   }

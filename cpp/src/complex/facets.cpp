@@ -30,11 +30,10 @@ struct Entry {
 template <class Compare, class Visit>
 void visit_groups(std::vector<Entry>& entries, const Compare& compare, Offset start,
                   const Visit& visit) {
-  detail::sort_few(entries.begin(), entries.end(),
-                   [&](const Entry& a, const Entry& b) {
-                     const int order = compare(a, b);
-                     return order != 0 ? order < 0 : a.facet < b.facet;
-                   });
+  detail::sort_few(entries.begin(), entries.end(), [&](const Entry& a, const Entry& b) {
+    const int order = compare(a, b);
+    return order != 0 ? order < 0 : a.facet < b.facet;
+  });
   std::size_t first = 0;
   for (std::size_t i = 1; i <= entries.size(); ++i) {
     if (i == entries.size() || compare(entries[first], entries[i]) != 0) {

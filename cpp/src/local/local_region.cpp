@@ -448,8 +448,8 @@ class RegionKernel {
           continue;
         }
         if (seen_[neighbor.index] == x_) {
-          cut = cut || std::find(added_.begin(), added_.end(), neighbor.index) !=
-                           added_.end();
+          cut = cut ||
+                std::find(added_.begin(), added_.end(), neighbor.index) != added_.end();
         } else {
           seen_[neighbor.index] = x_;
           Vector normal(dim());
@@ -528,8 +528,8 @@ class RegionKernel {
   Eigen::Matrix<double, K, Eigen::Dynamic> ahead_coordinates_;
   std::vector<double> ahead_distances_;
   std::vector<Neighbor> grown_;
-  std::vector<Index> seen_;  // by certify_corners: the last x each sample was added to
-  std::vector<Index> added_;      // by certify_corners since the region's last update
+  std::vector<Index> seen_;   // by certify_corners: the last x each sample was added to
+  std::vector<Index> added_;  // by certify_corners since the region's last update
   std::vector<Index> certified_;  // facets, K ids each
   Offset corner_count_ = 0;       // samples asked for around a corner
   double largest_weight_;
