@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "arrays.hpp"
 #include "options.hpp"
+#include "remanifold/local_spreads.hpp"
 #include "remanifold/sampling_quality.hpp"
 #include "run.hpp"
+
+#include <pybind11/stl.h>
+
+#include <vector>
 
 namespace remanifold::python {
 namespace {
@@ -33,6 +38,22 @@ py::dict quality(const Input& input, const InputArray<Index>& simplices,
   return out;
 }
 
+/// \param samples  shape (n,)
+/// \param neighbors  shape (n, m)
+py::array spreads(const InputArray<double>& points, const InputArray<Index>& samples,
+                  const InputArray<Index>& neighbors, const std::vector<Index>& sizes,
+                  int num_spreads, int num_threads) {
+  const NeighborRows rows{samples.data(), neighbors.data(), samples.shape(0),
+                          static_cast<Index>(neighbors.shape(1))};
+  std::vector<double> found =
+      run(num_threads, py::none(), [&](const Execution& execution) {
+        return local_spreads(view(points), rows, sizes, num_spreads, execution);
+      });
+  return to_numpy(std::move(found), {samples.shape(0),
+                                     static_cast<py::ssize_t>(sizes.size()),
+                                     num_spreads});
+}
+
 }  // namespace
 
 void bind_quality(py::module_& module) {
@@ -40,6 +61,9 @@ void bind_quality(py::module_& module) {
   module.def("quality", &quality, arg("samples"), arg("simplices").noconvert(),
              py::kw_only(), arg("num_neighbors"), arg("search"), arg("checks"),
              arg("num_threads"), arg("progress"));
+  module.def("local_spreads", &spreads, arg("points").noconvert(),
+             arg("samples").noconvert(), arg("neighbors").noconvert(), arg("sizes"),
+             arg("num_spreads"), arg("num_threads"));
 }
 
 }  // namespace remanifold::python

@@ -169,6 +169,14 @@ def quality(
     num_threads: int,
     progress: _Progress,
 ) -> dict[str, Any]: ...
+def local_spreads(
+    points: NDArray[np.float64],
+    samples: NDArray[np.int32],
+    neighbors: NDArray[np.int32],
+    sizes: list[int],
+    num_spreads: int,
+    num_threads: int,
+) -> NDArray[np.float64]: ...
 
 class SimplexSearch:
     def __init__(

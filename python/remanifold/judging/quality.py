@@ -693,12 +693,10 @@ def _is_only_boundary(found: _Findings) -> bool:
     That n of a convex body are in convex position has a chance below (c / n^2)^n in the
     plane (Barany, 1999) and less in space: with 4 (K + 1) samples below 1e-6.
     """
+    if not found.ambient_dim == found.dim > 1:
+        return False
     rim = found.boundary[np.unique(found.simplices)]
-    return (
-        found.ambient_dim == found.dim > 1
-        and len(rim) >= 4 * (found.dim + 1)
-        and bool(rim.all())
-    )
+    return len(rim) >= 4 * (found.dim + 1) and bool(rim.all())
 
 
 def _not_a_manifold(found: _Findings) -> Iterator[_Sign]:

@@ -164,15 +164,23 @@ def _scales(dim: int, num_neighbors: int | None) -> _Scales:
 
 
 class _Samples(NamedTuple):
-    """Samples with a plane each, fitted to few neighbors."""
+    """Samples with their neighborhoods."""
 
     points: Floats
     dim: int
+    threads: int | None
     near: NDArray[np.int32]  # neighbors
     distances: Floats
     spacing: Floats
+    spreads: dict[int, Floats]  # of neighborhoods by size, (N, K+1) each
+
+
+class _Planes(NamedTuple):
+    """Planes of some samples, fitted to few neighbors."""
+
+    place: Integers  # (N,): row of each sample below
     centers: Floats  # a point of each plane
-    bases: Floats  # (N, K, D)
+    bases: Floats  # (n, K, D)
     clean: Bools  # planes that count
 
 
@@ -323,20 +331,23 @@ def _principal(cloud: Floats) -> tuple[Floats, Floats]:
     return values, vectors[:, :, ::-1] * np.sqrt(values * size)[:, None]
 
 
-def _spectra(
-    points: Floats, own: Integers, near: NDArray[np.int32], size: int
+def _spreads(
+    points: Floats,
+    rows: Integers,
+    near: NDArray[np.int32],
+    sizes: list[int],
+    dim: int,
+    threads: int | None,
 ) -> Floats:
-    """Standard deviations along the principal directions of neighborhoods."""
-    result = np.empty((len(own), min(points.shape[1], size + 1)))
-    for block in _blocks(len(own), (size + 1) * points.shape[1]):
-        cloud, _ = _differences(points, own[block], near[block, :size])
-        if points.shape[1] <= size + 1:
-            matrices = cloud.transpose(0, 2, 1) @ cloud
-        else:
-            matrices = cloud @ cloud.transpose(0, 2, 1)
-        values = np.linalg.eigvalsh(matrices / (size + 1))[:, ::-1]
-        result[block] = np.sqrt(np.maximum(values, 0.0))
-    return result
+    """K+1 standard deviations along principal directions, for each row and size."""
+    return _core.local_spreads(
+        points,
+        rows.astype(np.int32),
+        np.ascontiguousarray(near),
+        sizes,
+        dim + 1,
+        threads or 0,
+    )
 
 
 def _unfit(
@@ -367,19 +378,30 @@ def _positive(values: Floats) -> Floats:
 def _fit(
     points: Floats, dim: int, scales: _Scales, threads: int | None
 ) -> _Samples | None:
-    """Planes of all samples; None where there are too few for any."""
-    count, ambient = points.shape
-    wanted = max(scales.wide, scales.nested[-2])
+    """Neighborhoods of all samples; None where there are too few for any."""
+    wanted = max(scales.wide, scales.nested[1], 2 * scales.plane, scales.spacing)
     near, distances = neighborhoods(points, wanted, num_threads=threads)
-    size = scales.plane
-    if near.shape[1] < max(2 * size, scales.spacing):
+    if near.shape[1] < max(2 * scales.plane, scales.spacing):
         return None
-    centers = np.empty((count, ambient))
-    bases = np.empty((count, dim, ambient))
-    clean = np.empty(count, dtype=np.bool_)
-    for block in _blocks(count, (size + 1) * max(ambient, size)):
-        own = np.arange(count)[block]
-        cloud, centers[block] = _differences(points, own, near[block, :size])
+    volume = pi ** (dim / 2) / gamma(dim / 2 + 1)
+    spacing = distances[:, scales.spacing - 1] * (volume / scales.spacing) ** (1 / dim)
+    spacing = np.median(spacing[near[:, : scales.spacing]], axis=1)
+    asked = {scales.plane, 2 * scales.plane, *scales.nested[:2], scales.wide}
+    sizes = sorted({min(size, near.shape[1]) for size in asked})
+    spreads = _spreads(points, np.arange(len(points)), near, sizes, dim, threads)
+    by_size = {size: spreads[:, i] for i, size in enumerate(sizes)}
+    return _Samples(points, dim, threads, near, distances, spacing, by_size)
+
+
+def _planes(samples: _Samples, scales: _Scales, own: Integers) -> _Planes:
+    """Planes of these samples."""
+    points, dim, size = samples.points, samples.dim, scales.plane
+    ambient = points.shape[1]
+    centers = np.empty((len(own), ambient))
+    bases = np.empty((len(own), dim, ambient))
+    for block in _blocks(len(own), (size + 1) * max(ambient, size)):
+        rows = own[block]
+        cloud, centers[block] = _differences(points, rows, samples.near[rows, :size])
         values, coordinates = _principal(cloud)
         # Directions from coordinates: free of D x D matrices.
         # Collinear samples have none but the first; what rounding says is as good.
@@ -388,15 +410,13 @@ def _fit(
         vectors = scaled.transpose(0, 2, 1) @ cloud
         lengths = np.linalg.norm(vectors, axis=2, keepdims=True)
         bases[block] = vectors / _positive(lengths)
-        spread = np.sqrt(values)
-        off = spread[:, dim] if spread.shape[1] > dim else np.zeros(len(own))
-        clean[block] = (off <= CLEAN * spread[:, dim - 1]) & (
-            spread[:, dim - 1] >= ROUND * spread[:, 0]
-        )
-    volume = pi ** (dim / 2) / gamma(dim / 2 + 1)
-    spacing = distances[:, scales.spacing - 1] * (volume / scales.spacing) ** (1 / dim)
-    spacing = np.median(spacing[near[:, : scales.spacing]], axis=1)
-    return _Samples(points, dim, near, distances, spacing, centers, bases, clean)
+    spread = samples.spreads[size][own]
+    clean = (spread[:, dim] <= CLEAN * spread[:, dim - 1]) & (
+        spread[:, dim - 1] >= ROUND * spread[:, 0]
+    )
+    place = np.full(len(points), -1)
+    place[own] = np.arange(len(own))
+    return _Planes(place, centers, bases, clean)
 
 
 # ------------------------------------------------------------- other dimensions
@@ -416,7 +436,7 @@ def _lower(samples: _Samples, scales: _Scales) -> NDArray[np.int8]:
         return result
     rows = np.arange(count)
     for size in (scales.plane, 2 * scales.plane):
-        spread = _spectra(samples.points, rows, samples.near[rows], size)
+        spread = samples.spreads[size][rows]
         thin = spread[:, dim - 1] <= THIN * spread[:, 0]
         rows, spread = rows[thin], spread[thin]
     result[rows] = (spread[:, :dim] > THIN * spread[:, :1]).sum(axis=1)
@@ -447,7 +467,11 @@ def _higher(
             )
         else:
             near = samples.near[rows]
-        spread = _spectra(points, rows, near, size)
+        spread = (
+            samples.spreads[size][rows]
+            if size in samples.spreads
+            else _spreads(points, rows, near, [size], dim, threads)[:, 0]
+        )
         keep = spread[:, dim] >= SOLID * spread[:, dim - 1]
         rows, near, spread = rows[keep], near[keep], spread[keep]
         keep = _unfit(points, rows, near, size, dim) >= SOLID
@@ -455,8 +479,10 @@ def _higher(
         if size >= scales.nested[-2]:
             compact[rows] &= spread[:, dim] >= COMPACT * spread[:, 0]
     solid[rows] = True
-    near = samples.near[rows]
-    spread = _spectra(points, rows, near, first)
+    if len(rows) == 0:
+        return solid, deep
+    near, _ = _wide(samples, rows, scales.nested[-2], threads)
+    spread = samples.spreads[first][rows]
     small = np.zeros(len(points))
     small[rows] = spread[:, dim] / _positive(spread[:, dim - 1])
     around = solid[near[:, : scales.nested[-2]]].mean(axis=1)
@@ -499,22 +525,24 @@ def _branches(
         return result
     rows = np.arange(len(points))
     size = min(scales.wide, samples.near.shape[1])
-    spread = _spectra(points, rows, samples.near, size)
+    spread = samples.spreads[size]
     rows = rows[spread[:, dim] >= SUSPICIOUS * spread[:, dim - 1]]
     unfit = _unfit(points, rows, samples.near[rows], size, dim)
     rows = rows[unfit >= UNFIT]
     if len(rows) == 0:
         return result
     near, distances = _wide(samples, rows, scales.branches, threads)
+    planes = _planes(samples, scales, np.unique(near))
     for block in _blocks(len(rows), near.shape[1] * dim * points.shape[1] * 4):
         result[rows[block]] = _count(
-            samples, scales, rows[block], near[block], distances[block]
+            samples, planes, scales, rows[block], near[block], distances[block]
         )
     return result
 
 
 def _count(
     samples: _Samples,
+    fitted: _Planes,
     scales: _Scales,
     rows: Integers,
     near: NDArray[np.int32],
@@ -524,7 +552,7 @@ def _count(
     dim = samples.dim
     result = np.full(len(rows), -1, dtype=np.int8)
     spacing = samples.spacing[rows][:, None]
-    counts = samples.clean[near] & (distances >= INNER * spacing)
+    counts = fitted.clean[fitted.place[near]] & (distances >= INNER * spacing)
     counts &= distances <= scales.reach * spacing
     keep = np.flatnonzero(counts.sum(axis=1) >= 2 * scales.fewest)
     near, distances, spacing = near[keep], distances[keep], spacing[keep]
@@ -532,8 +560,8 @@ def _count(
 
     # Planes that pass through the sample.
     here = samples.points[rows[keep]][:, None]
-    bases = samples.bases[near]
-    offset = samples.centers[near] - here
+    bases = fitted.bases[fitted.place[near]]
+    offset = fitted.centers[fitted.place[near]] - here
     along = np.einsum("nmkd,nmd->nmk", bases, offset)
     squared = np.einsum("nmd,nmd->nm", offset, offset)
     missed = np.sqrt(np.maximum(squared - (along**2).sum(axis=2), 0.0))
