@@ -49,9 +49,9 @@ py::array spreads(const InputArray<double>& points, const InputArray<Index>& sam
       run(num_threads, py::none(), [&](const Execution& execution) {
         return local_spreads(view(points), rows, sizes, num_spreads, execution);
       });
-  return to_numpy(std::move(found), {samples.shape(0),
-                                     static_cast<py::ssize_t>(sizes.size()),
-                                     num_spreads});
+  return to_numpy(
+      std::move(found),
+      {samples.shape(0), static_cast<py::ssize_t>(sizes.size()), num_spreads});
 }
 
 }  // namespace

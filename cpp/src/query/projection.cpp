@@ -9,8 +9,11 @@
 #include "samples/distance.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -95,7 +98,9 @@ class SimplexSearch::Search {
   template <int K>
   void nearest_of(MatrixView queries, Projections& result,
                   const Execution& execution) const;
+  std::vector<Offset> order_of(MatrixView queries, const Execution& execution) const;
   void set_corners(Query& query, Offset position) const;
+  double squared_from_box(const Query& query) const;
   void write(const Query& query, const std::vector<double>& weights, double* out) const;
 
   detail::SimplexTree tree_;
@@ -178,12 +183,33 @@ void SimplexSearch::Search::set_corners(Query& query, Offset position) const {
   }
 }
 
+/// Of the query from the box around the corners.
+double SimplexSearch::Search::squared_from_box(const Query& query) const {
+  double sum = 0;
+  for (int a = 0; a < tree_.ambient_dim(); ++a) {
+    double low = query.corners[0][a];
+    double high = low;
+    for (int i = 1; i <= tree_.dim(); ++i) {
+      low = std::min(low, query.corners[i][a]);
+      high = std::max(high, query.corners[i][a]);
+    }
+    const double away = std::max({low - query.point[a], query.point[a] - high, 0.0});
+    sum += away * away;
+  }
+  return sum;
+}
+
 template <class Solver>
 void SimplexSearch::Search::look_at(Query& query, Offset position,
                                     Solver& solver) const {
   set_corners(query, position);
-  if (!tree_
-           .has_all_axes()) {  // a ball around the first corner, for less than the solution
+  // A box, or a ball around the first corner, for less than the solution.
+  if (tree_.has_all_axes()) {
+    const double limit = query.best + query.slack;
+    if (squared_from_box(query) > limit * limit) {
+      return;
+    }
+  } else {
     const double reach = query.best + query.slack + tree_.reach(position);
     if (detail::squared_distance(query.point.data(), query.corners[0],
                                  tree_.ambient_dim(), reach * reach) > reach * reach) {
@@ -213,14 +239,56 @@ void SimplexSearch::Search::write(const Query& query,
   }
 }
 
+/// Along Morton's curve through up to three coordinates, so that one query after the other
+/// meets the same nodes. Coordinates of another frame would cost more than that saves.
+std::vector<Offset> SimplexSearch::Search::order_of(MatrixView queries,
+                                                    const Execution& execution) const {
+  std::vector<Offset> order(queries.rows);
+  std::iota(order.begin(), order.end(), Offset{0});
+  if (!tree_.has_all_axes()) {
+    return order;
+  }
+  constexpr int kMortonBits = 10;
+  constexpr int kMortonAxes = 3;
+  const int axes = std::min(tree_.ambient_dim(), kMortonAxes);
+  std::array<double, kMortonAxes> low;
+  std::array<double, kMortonAxes> high;
+  low.fill(kInfinity);
+  high.fill(-kInfinity);
+  for (Offset q = 0; q < queries.rows; ++q) {
+    for (int a = 0; a < axes; ++a) {
+      low[a] = std::min(low[a], queries.row(q)[a]);
+      high[a] = std::max(high[a], queries.row(q)[a]);
+    }
+  }
+  std::vector<std::uint32_t> codes(queries.rows, 0);
+  for (Offset q = 0; q < queries.rows; ++q) {
+    for (int a = 0; a < axes; ++a) {
+      // Halves: the difference may be infinite.
+      const double width = high[a] / 2 - low[a] / 2;
+      const double share = width > 0 ? (queries.row(q)[a] / 2 - low[a] / 2) / width : 0;
+      const auto cell = static_cast<std::uint32_t>(share * ((1U << kMortonBits) - 1));
+      for (int bit = 0; bit < kMortonBits; ++bit) {
+        codes[q] |= (cell >> bit & 1U) << (bit * axes + a);
+      }
+    }
+  }
+  detail::sort_all(order, execution, [&](Offset a, Offset b) {
+    return codes[a] != codes[b] ? codes[a] < codes[b] : a < b;
+  });
+  return order;
+}
+
 template <int K>
 void SimplexSearch::Search::nearest_of(MatrixView queries, Projections& result,
                                        const Execution& execution) const {
+  const std::vector<Offset> order = order_of(queries, execution);
   detail::for_each_block(
       queries.rows, kQueries, execution, [&](Offset begin, Offset end) {
         detail::NearestInSimplex<K> solver(tree_.dim(), tree_.ambient_dim());
         Query query;
-        for (Offset q = begin; q < end; ++q) {
+        for (Offset next = begin; next < end; ++next) {
+          const Offset q = order[next];
           place(query, queries.row(q));
           search(query, solver);
           Offset lowest = -1;

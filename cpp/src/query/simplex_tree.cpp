@@ -6,8 +6,11 @@
 #include "samples/distance.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <random>
 #include <stdexcept>
@@ -24,6 +27,8 @@ constexpr Offset kNodes = 64;
 constexpr Offset kLeaf = 3;
 /// Coordinates of a box. Where there are more, boxes are in so many of another frame.
 constexpr int kMostAxes = 8;
+/// Branches that are split side by side.
+constexpr std::size_t kBranches = 64;
 constexpr int kPrincipal = 4;
 /// Vertices that these are taken from. Any orthonormal ones are right.
 constexpr Offset kAxesFrom = 256;
@@ -163,73 +168,149 @@ void SimplexTree::grow(const Execution& execution) {
     position_[order_[p]] = p;
   }
   vertices_ = std::move(sorted);
+  sort_points();
   measure_reach();
   bound_all(execution);
 }
 
-/// Halves at the median.
-void SimplexTree::split_all(const Execution& execution) {
-  struct Task {
-    Offset begin;
-    Offset end;
-    Offset parent;  // whose right child this is, or -1
+/// In the order in which the simplices of the tree have them: what is near is near in
+/// memory.
+void SimplexTree::sort_points() {
+  const auto count = static_cast<Offset>(left_.size());
+  std::vector<Index> number(count, -1);
+  std::vector<Index> sources;
+  sources.reserve(count);
+  for (Index& v : vertices_) {
+    if (number[v] < 0) {
+      number[v] = static_cast<Index>(sources.size());
+      sources.push_back(v);
+    }
+    v = number[v];
+  }
+  const auto permute = [&](std::vector<double>& rows, int width) {
+    std::vector<double> sorted;
+    sorted.reserve(rows.size());
+    for (const Index v : sources) {
+      const auto row = rows.begin() + static_cast<Offset>(v) * width;
+      sorted.insert(sorted.end(), row, row + width);
+    }
+    rows = std::move(sorted);
   };
-  std::vector<Task> tasks{{0, static_cast<Offset>(order_.size()), -1}};
-  std::vector<double> keys(order_.size());
-  while (!tasks.empty()) {
-    const Task task = tasks.back();
-    tasks.pop_back();
-    execution.poll();
-    const auto number = static_cast<Offset>(nodes_.size());
-    if (task.parent >= 0) {
-      nodes_[task.parent].right = number;
-    }
-    nodes_.emplace_back();
-    nodes_.back().begin = task.begin;
-    nodes_.back().end = task.end;
-    if (task.end - task.begin <= kLeaf) {
-      continue;
-    }
-    project_on_widest_axis(task.begin, task.end, keys);
-    const Offset middle = task.begin + (task.end - task.begin) / 2;
-    std::nth_element(order_.begin() + task.begin, order_.begin() + middle,
-                     order_.begin() + task.end, [&](Offset s, Offset t) {
-                       return keys[s] != keys[t] ? keys[s] < keys[t] : s < t;
-                     });
-    tasks.push_back({middle, task.end, number});
-    tasks.push_back({task.begin, middle, -1});
+  permute(points_, ambient_dim_);
+  permute(left_, 1);
+  if (!has_all_axes()) {
+    permute(reduced_, num_axes_);
   }
 }
 
-/// Keys of the simplices: their centers (times K + 1) along the axis of most extent, in the
-/// frame of the boxes, so that these become small.
-void SimplexTree::project_on_widest_axis(Offset begin, Offset end,
-                                         std::vector<double>& keys) const {
-  const auto center = [&](Offset s, int a) {
-    double sum = 0;
-    for (int i = 0; i <= dim_; ++i) {
-      sum += reduced(simplex(s)[i])[a];
+/// Numbers of nodes of trees over so many simplices, each half being a tree.
+class SimplexTree::NodeCounts {
+ public:
+  explicit NodeCounts(Offset count) { fill(count); }
+  Offset of(Offset count) const { return counts_.at(count); }
+
+ private:
+  Offset fill(Offset count) {
+    const auto known = counts_.find(count);
+    if (known != counts_.end()) {
+      return known->second;
     }
-    return sum;
-  };
+    const Offset nodes =
+        count <= kLeaf ? 1 : 1 + fill(count / 2) + fill(count - count / 2);
+    counts_.emplace(count, nodes);
+    return nodes;
+  }
+
+  std::map<Offset, Offset> counts_;
+};
+
+/// Halves at the median. The numbers of the nodes follow from those of the simplices, so
+/// that branches can be split side by side.
+void SimplexTree::split_all(const Execution& execution) {
+  const auto count = static_cast<Offset>(order_.size());
+  const NodeCounts counts(count);
+  nodes_.resize(counts.of(count));
+  // Times K + 1, in the frame of the boxes, so that these become small.
+  std::vector<double> centers(static_cast<std::size_t>(count) * num_axes_, 0.0);
+  for_each_block_uncounted(count, kBlock, execution, [&](Offset begin, Offset end) {
+    for (Offset s = begin; s < end; ++s) {
+      for (int i = 0; i <= dim_; ++i) {
+        const double* corner = reduced(simplex(s)[i]);
+        for (int a = 0; a < num_axes_; ++a) {
+          centers[s * num_axes_ + a] += corner[a];
+        }
+      }
+    }
+  });
+  std::vector<Branch> branches{{0, count, 0}};
+  std::vector<Keyed> keyed;
+  for (std::size_t next = 0;
+       next < branches.size() && branches.size() - next < kBranches; ++next) {
+    execution.poll();
+    split(Branch(branches[next]), counts, centers, keyed, branches);
+  }
+  // What is split already has children, which come behind it.
+  std::vector<Branch> left;
+  std::copy_if(branches.begin(), branches.end(), std::back_inserter(left),
+               [&](const Branch& branch) { return nodes_[branch.node].end == 0; });
+  for_each_block_uncounted(static_cast<Offset>(left.size()), 1, execution,
+                           [&](Offset begin, Offset) {
+                             std::vector<Branch> own{left[begin]};
+                             std::vector<Keyed> scratch;
+                             while (!own.empty()) {
+                               execution.poll();
+                               const Branch branch = own.back();
+                               own.pop_back();
+                               split(branch, counts, centers, scratch, own);
+                             }
+                           });
+}
+
+/// Along the axis of most extent.
+void SimplexTree::split(const Branch& branch, const NodeCounts& counts,
+                        const std::vector<double>& centers, std::vector<Keyed>& keyed,
+                        std::vector<Branch>& children) {
+  Node& node = nodes_[branch.node];
+  node.begin = branch.begin;
+  node.end = branch.end;
+  const Offset count = branch.end - branch.begin;
+  if (count <= kLeaf) {
+    return;
+  }
+  std::array<double, kMostAxes> low;
+  std::array<double, kMostAxes> high;
+  low.fill(kInfinity);
+  high.fill(-kInfinity);
+  for (Offset p = branch.begin; p < branch.end; ++p) {
+    const double* center = centers.data() + order_[p] * num_axes_;
+    for (int a = 0; a < num_axes_; ++a) {
+      low[a] = std::min(low[a], center[a]);
+      high[a] = std::max(high[a], center[a]);
+    }
+  }
   int widest = 0;
-  double width = -1;
-  for (int a = 0; a < num_axes_; ++a) {
-    double low = kInfinity;
-    double high = -kInfinity;
-    for (Offset p = begin; p < end; ++p) {
-      const double value = center(order_[p], a);
-      low = std::min(low, value);
-      high = std::max(high, value);
-    }
-    if (high - low > width) {
-      width = high - low;
+  for (int a = 1; a < num_axes_; ++a) {
+    if (high[a] - low[a] > high[widest] - low[widest]) {
       widest = a;
     }
   }
-  for (Offset p = begin; p < end; ++p) {
-    keys[order_[p]] = center(order_[p], widest);
+  keyed.resize(count);
+  for (Offset i = 0; i < count; ++i) {
+    const Offset s = order_[branch.begin + i];
+    keyed[i] = {centers[s * num_axes_ + widest], s};
   }
+  const Offset half = count / 2;
+  std::nth_element(keyed.begin(), keyed.begin() + half, keyed.end(),
+                   [](const Keyed& a, const Keyed& b) {
+                     return a.key != b.key ? a.key < b.key : a.simplex < b.simplex;
+                   });
+  for (Offset i = 0; i < count; ++i) {
+    order_[branch.begin + i] = keyed[i].simplex;
+  }
+  node.right = branch.node + 1 + counts.of(half);
+  const Offset middle = branch.begin + half;
+  children.push_back({middle, branch.end, node.right});
+  children.push_back({branch.begin, middle, branch.node + 1});
 }
 
 void SimplexTree::measure_reach() {
@@ -246,35 +327,58 @@ void SimplexTree::measure_reach() {
   }
 }
 
+/// Children come behind their parent.
 void SimplexTree::bound_all(const Execution& execution) {
   const auto count = static_cast<Offset>(nodes_.size());
   boxes_.resize(static_cast<std::size_t>(count) * 2 * num_axes_);
-  for_each_block_uncounted(count, kNodes, execution, [&](Offset begin, Offset end) {
-    for (Offset n = begin; n < end; ++n) {
-      bound(n);
-    }
-  });
+  for (Offset n = count - 1; n >= 0; --n) {
+    bound_box(n);
+  }
+  if (!has_all_axes()) {
+    for_each_block_uncounted(count, kNodes, execution, [&](Offset begin, Offset end) {
+      for (Offset n = begin; n < end; ++n) {
+        bound_ball(n);
+      }
+    });
+  }
 }
 
-void SimplexTree::bound(Offset number) {
+void SimplexTree::bound_box(Offset number) {
   Node& node = nodes_[number];
-  const Index* const first = vertices_.data() + node.begin * (dim_ + 1);
-  const Index* const last = vertices_.data() + node.end * (dim_ + 1);
-  double* const low = boxes_.data() + static_cast<std::size_t>(number) * 2 * num_axes_;
-  double* const high = low + num_axes_;
-  std::fill(low, low + num_axes_, kInfinity);
-  std::fill(high, high + num_axes_, -kInfinity);
-  for (const Index* v = first; v != last; ++v) {
-    for (int a = 0; a < num_axes_; ++a) {
-      low[a] = std::min(low[a], reduced(*v)[a]);
-      high[a] = std::max(high[a], reduced(*v)[a]);
+  const int axes = num_axes_;
+  double* const low = boxes_.data() + static_cast<std::size_t>(number) * 2 * axes;
+  double* const high = low + axes;
+  if (node.right == 0) {
+    std::fill(low, low + axes, kInfinity);
+    std::fill(high, high + axes, -kInfinity);
+    for (const Index* v = simplex(node.begin); v != simplex(node.end); ++v) {
+      for (int a = 0; a < axes; ++a) {
+        low[a] = std::min(low[a], reduced(*v)[a]);
+        high[a] = std::max(high[a], reduced(*v)[a]);
+      }
+      node.most_left = std::max(node.most_left, left_[*v]);
     }
-    node.most_left = std::max(node.most_left, left_[*v]);
-  }
-  if (has_all_axes()) {
     return;
   }
-  // A ball around the vertex nearest to the middle of the box.
+  const double* const first =
+      boxes_.data() + static_cast<std::size_t>(number + 1) * 2 * axes;
+  const double* const second =
+      boxes_.data() + static_cast<std::size_t>(node.right) * 2 * axes;
+  for (int a = 0; a < axes; ++a) {
+    low[a] = std::min(first[a], second[a]);
+    high[a] = std::max(first[axes + a], second[axes + a]);
+  }
+  node.most_left = std::max(nodes_[number + 1].most_left, nodes_[node.right].most_left);
+}
+
+/// Around the vertex nearest to the middle of the box.
+void SimplexTree::bound_ball(Offset number) {
+  Node& node = nodes_[number];
+  const Index* const first = simplex(node.begin);
+  const Index* const last = simplex(node.end);
+  const double* const low =
+      boxes_.data() + static_cast<std::size_t>(number) * 2 * num_axes_;
+  const double* const high = low + num_axes_;
   double nearest = kInfinity;
   for (const Index* v = first; v != last; ++v) {
     double squared = 0;

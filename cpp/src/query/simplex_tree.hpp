@@ -57,6 +57,16 @@ class SimplexTree {
   double reach(Offset position) const { return reach_[position]; }
 
  private:
+  class NodeCounts;
+  struct Branch {
+    Offset begin;
+    Offset end;
+    Offset node;
+  };
+  struct Keyed {
+    double key;
+    Offset simplex;
+  };
   using Axes = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
   const double* reduced(Index v) const {
@@ -68,11 +78,14 @@ class SimplexTree {
   void find_axes(const Execution& execution);
   void grow(const Execution& execution);
   void split_all(const Execution& execution);
-  void project_on_widest_axis(Offset begin, Offset end,
-                              std::vector<double>& keys) const;
+  void split(const Branch& branch, const NodeCounts& counts,
+             const std::vector<double>& centers, std::vector<Keyed>& keyed,
+             std::vector<Branch>& children);
+  void sort_points();
   void measure_reach();
   void bound_all(const Execution& execution);
-  void bound(Offset number);
+  void bound_box(Offset number);
+  void bound_ball(Offset number);
 
   int dim_;
   int ambient_dim_;
