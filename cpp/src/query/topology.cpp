@@ -553,23 +553,26 @@ void validate(const SimplexArray& simplices, Index num_vertices) {
 
 /// Patches: simplices connected through facets with two cofaces.
 struct Patches {
+  Index components = 0;     // of patches that share vertices
+  Offset num_vertices = 0;  // of simplices
   Index closed = 0;
   Index closed_orientable = 0;
   bool orientable = true;
 };
 
-Patches find_patches(const SimplexArray& simplices, const FaceTable& facets) {
+Patches find_patches(const SimplexArray& simplices, const FacetGroups& facets,
+                     Index num_vertices, const Execution& execution) {
   const int arity = simplices.arity;
   std::vector<FacetNumber> neighbors(simplices.vertices.size(), kOpen);
   for (Offset f = 0; f < facets.size(); ++f) {
     if (facets.cofaces(f) == 2) {
-      const Offset a = facets.instances[facets.offsets[f]];
-      const Offset b = facets.instances[facets.offsets[f] + 1];
+      const FacetNumber a = facets.facets[facets.offsets[f]];
+      const FacetNumber b = facets.facets[facets.offsets[f] + 1];
       neighbors[a] = b;
       neighbors[b] = a;
     }
   }
-  const OrientedPatches oriented = orient_patches(neighbors, arity);
+  const OrientedPatches oriented = orient_patches(neighbors, arity, execution);
   Patches patches;
   for (std::size_t p = 0; p < oriented.sizes.size(); ++p) {
     const bool closed = oriented.closed[p] != 0;
@@ -578,7 +581,41 @@ Patches find_patches(const SimplexArray& simplices, const FaceTable& facets) {
     patches.closed_orientable += closed && orientable ? 1 : 0;
     patches.orientable = patches.orientable && orientable;
   }
+  std::vector<Index> patch_at(num_vertices, -1);
+  detail::DisjointSets sets(static_cast<Offset>(oriented.sizes.size()));
+  for (Offset s = 0; s < simplices.size(); ++s) {
+    for (int i = 0; i < arity; ++i) {
+      Index& first = patch_at[simplices[s][i]];
+      if (first < 0) {
+        first = oriented.patch[s];
+        ++patches.num_vertices;
+      } else if (first != oriented.patch[s]) {
+        sets.join(first, oriented.patch[s]);
+      }
+    }
+  }
+  for (std::size_t p = 0; p < oriented.sizes.size(); ++p) {
+    const auto own = static_cast<Offset>(p);
+    patches.components += sets.find(own) == own ? 1 : 0;
+  }
   return patches;
+}
+
+/// Connected sets of facets with one coface.
+Index count_boundaries(const SimplexArray& simplices, const FacetGroups& facets,
+                       Index num_vertices) {
+  Faces open;
+  open.simplices.arity = simplices.arity - 1;
+  std::vector<Index> facet(open.simplices.arity);
+  for (Offset f = 0; f < facets.size(); ++f) {
+    if (facets.cofaces(f) == 1) {
+      copy_facet(simplices, facets.facets[facets.offsets[f]], facet.data());
+      detail::append_row(open.simplices, facet.data());
+      open.cofaces.push_back(1);
+    }
+  }
+  return static_cast<Index>(
+      find_open_faces(open, std::vector<std::uint8_t>(num_vertices, 0)).hole.size());
 }
 
 }  // namespace
@@ -627,18 +664,23 @@ Topology compute_topology(const SimplexArray& simplices, Index num_vertices,
   const int dim = simplices.arity - 1;
   detail::begin_step(execution, Step::kTopology, 0);
   Topology result;
-  FaceTable facets;
-  for (int d = 0; d < dim; ++d) {
+  const FacetGroups facets = group_facets(simplices, num_vertices, execution);
+  execution.poll();
+  const Patches patches = find_patches(simplices, facets, num_vertices, execution);
+  result.components = patches.components;
+  result.closed_patches = patches.closed;
+  result.closed_orientable_patches = patches.closed_orientable;
+
+  result.face_counts.push_back(patches.num_vertices);
+  for (int d = 1; d + 1 < dim; ++d) {
     execution.poll();
-    FaceTable table = make_face_table(simplices, d);
-    result.face_counts.push_back(table.size());
-    if (d == dim - 1) {
-      facets = std::move(table);
-    }
+    result.face_counts.push_back(make_face_table(simplices, d).size());
+  }
+  if (dim > 1) {
+    result.face_counts.push_back(facets.size());
   }
   result.face_counts.push_back(simplices.size());
   result.euler_characteristic = euler_characteristic(result.face_counts);
-  result.components = connected_components(simplices, num_vertices).count;
 
   result.coface_counts.assign(1, 0);
   for (Offset f = 0; f < facets.size(); ++f) {
@@ -651,20 +693,8 @@ Topology compute_topology(const SimplexArray& simplices, Index num_vertices,
   result.pseudomanifold = result.coface_counts.size() <= 3;
   result.closed = simplices.size() > 0 && result.coface_counts.size() == 3 &&
                   result.coface_counts[1] == 0;
+  result.boundary_components = count_boundaries(simplices, facets, num_vertices);
 
-  Faces all;
-  all.simplices = facets.faces;
-  all.cofaces.resize(facets.size());
-  for (Offset f = 0; f < facets.size(); ++f) {
-    all.cofaces[f] = static_cast<Index>(facets.cofaces(f));
-  }
-  result.boundary_components = static_cast<Index>(
-      find_open_faces(all, std::vector<std::uint8_t>(num_vertices, 0)).hole.size());
-
-  execution.poll();
-  const Patches patches = find_patches(simplices, facets);
-  result.closed_patches = patches.closed;
-  result.closed_orientable_patches = patches.closed_orientable;
   result.orientable = result.pseudomanifold && patches.orientable;
 
   execution.poll();
