@@ -35,10 +35,10 @@ struct Move {
 class LinkRepair {
  public:
   LinkRepair(const Samples& samples, const std::vector<double>& scales,
-             const SimplexArray& simplices, const Execution& execution)
+             SimplexArray simplices, const Execution& execution)
       : execution_(execution),
-        complex_(simplices, samples.size()),
-        arity_(simplices.arity),
+        complex_(std::move(simplices), samples.size()),
+        arity_(complex_.arity()),
         ruler_(samples, scales),
         inside_(samples.size(), 0),
         hole_of_(samples.size(), -1) {}
@@ -435,7 +435,7 @@ std::vector<Index> repair_links(const Samples& samples,
   if (singular.empty() && open.empty()) {
     return {};
   }
-  LinkRepair repair(samples, scales, simplices, execution);
+  LinkRepair repair(samples, scales, std::move(simplices), execution);
   for (int round = 0; round < kRounds && !singular.empty(); ++round) {
     std::vector<Index> left;
     for (std::size_t i = 0; i < singular.size(); ++i) {

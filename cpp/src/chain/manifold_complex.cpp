@@ -132,6 +132,7 @@ class ManifoldBuilder {
           }
         });
     fixed_.arity = disputed_.arity = large_.arity = pool_.arity = arity_;
+    fixed_.vertices.reserve(std::count(kind.begin(), kind.end(), kFixed) * arity_);
     result_.report.disputed.arity = arity_;
     for (Offset s = 0; s < count; ++s) {
       const Index* simplex = stars.simplices[s];

@@ -63,9 +63,9 @@ class SimplexDistance {
 class Inserter {
  public:
   Inserter(const Samples& samples, const Neighborhoods& neighborhoods,
-           const std::vector<double>& scales, const SimplexArray& simplices)
+           const std::vector<double>& scales, SimplexArray simplices)
       : neighborhoods_(neighborhoods),
-        complex_(simplices, samples.size()),
+        complex_(std::move(simplices), samples.size()),
         ruler_(samples, scales),
         distance_(samples) {}
 
@@ -176,7 +176,7 @@ Insertion insert_vertices(const Samples& samples, const Neighborhoods& neighborh
     result.outliers = waiting;
     return result;
   }
-  Inserter inserter(samples, neighborhoods, scales, simplices);
+  Inserter inserter(samples, neighborhoods, scales, std::move(simplices));
   // What is inserted may bring those behind it within reach.
   for (bool progress = true; progress && !waiting.empty();) {
     progress = false;

@@ -2,35 +2,40 @@
 // A complex whose simplices come and go, with the star of each vertex.
 #pragma once
 
+#include "base/csr.hpp"
 #include "complex/simplex_rows.hpp"
 #include "remanifold/types.hpp"
 
 #include <algorithm>
+#include <cstdint>
+#include <deque>
+#include <iterator>
+#include <utility>
 #include <vector>
 
 namespace remanifold::detail {
 
+/// Few stars of many are looked at: those are lists of their own from then on, all others
+/// stay rows of one array.
 class EditableComplex {
  public:
-  EditableComplex(const SimplexArray& simplices, Index num_vertices)
-      : simplices_(simplices), stars_(num_vertices) {
-    std::vector<Index> counts(num_vertices, 0);
-    for (const Index v : simplices_.vertices) {
-      ++counts[v];
-    }
-    for (Index v = 0; v < num_vertices; ++v) {
-      stars_[v].reserve(counts[v]);
-    }
-    for (Offset s = 0; s < simplices_.size(); ++s) {
-      list(s);
-    }
-    removed_.assign(simplices_.size(), 0);
-  }
+  EditableComplex(SimplexArray simplices, Index num_vertices)
+      : simplices_(std::move(simplices)),
+        removed_(simplices_.size(), 0),
+        first_stars_(csr_of(num_vertices,
+                            [&](const auto& add) {
+                              for (Offset s = 0; s < simplices_.size(); ++s) {
+                                for (int i = 0; i < simplices_.arity; ++i) {
+                                  add(simplices_[s][i], static_cast<Index>(s));
+                                }
+                              }
+                            })),
+        place_(num_vertices, -1) {}
 
   int arity() const { return simplices_.arity; }
   const Index* operator[](Offset s) const { return simplices_[s]; }
   /// Simplices at a vertex, in the order in which they came.
-  const std::vector<Offset>& star(Index v) const { return stars_[v]; }
+  const std::vector<Offset>& star(Index v) const { return own_star(v); }
 
   /// Columns must ascend.
   Offset add(const Index* simplex) {
@@ -43,7 +48,7 @@ class EditableComplex {
   void remove(Offset s) {
     removed_[s] = 1;
     for (int i = 0; i < arity(); ++i) {
-      std::vector<Offset>& star = stars_[simplices_[s][i]];
+      std::vector<Offset>& star = own_star(simplices_[s][i]);
       star.erase(std::find(star.begin(), star.end(), s));
     }
   }
@@ -57,7 +62,7 @@ class EditableComplex {
   /// Simplices on a face; its vertices ascend.
   std::vector<Offset> simplices_on(const std::vector<Index>& face) const {
     std::vector<Offset> result;
-    for (const Offset s : stars_[face[0]]) {
+    for (const Offset s : star(face[0])) {
       const Index* row = simplices_[s];
       if (std::includes(row, row + arity(), face.begin(), face.end())) {
         result.push_back(s);
@@ -74,7 +79,7 @@ class EditableComplex {
   }
 
   /// Facets of the star of v opposite to it.
-  SimplexArray link(Index v) const { return link(v, stars_[v]); }
+  SimplexArray link(Index v) const { return link(v, star(v)); }
 
   /// The same of some simplices of the star alone.
   SimplexArray link(Index v, const std::vector<Offset>& fan) const {
@@ -93,15 +98,25 @@ class EditableComplex {
   }
 
  private:
+  std::vector<Offset>& own_star(Index v) const {
+    if (place_[v] < 0) {
+      place_[v] = static_cast<Index>(stars_.size());
+      stars_.emplace_back(first_stars_.begin(v), first_stars_.end(v));
+    }
+    return stars_[place_[v]];
+  }
+
   void list(Offset s) {
     for (int i = 0; i < arity(); ++i) {
-      stars_[simplices_[s][i]].push_back(s);
+      own_star(simplices_[s][i]).push_back(s);
     }
   }
 
   SimplexArray simplices_;
   std::vector<std::uint8_t> removed_;
-  std::vector<std::vector<Offset>> stars_;
+  Csr first_stars_;
+  mutable std::vector<Index> place_;  // of each vertex in stars_, or -1
+  mutable std::deque<std::vector<Offset>> stars_;
 };
 
 }  // namespace remanifold::detail

@@ -3,6 +3,7 @@
 
 #include "base/dispatch.hpp"
 #include "base/parallel.hpp"
+#include "base/waves.hpp"
 #include "complex/simplex_rows.hpp"
 
 #include <algorithm>
@@ -85,34 +86,31 @@ class VoteCounter {
 
 StarSimplices count_votes(const LocalRegions& regions, const Execution& execution) {
   const auto n = static_cast<Offset>(regions.star_offsets.size()) - 1;
-  std::vector<StarSimplices> blocks((n + kBlock - 1) / kBlock);
-  detail::for_each_block_uncounted(n, kBlock, execution, [&](Offset begin, Offset end) {
-    detail::dispatch_dim(regions.dim, [&](auto k) {
-      VoteCounter<decltype(k)::value> counter(regions);
-      for (Offset x = begin; x < end; ++x) {
-        counter.count(static_cast<Index>(x), blocks[begin / kBlock]);
-      }
-    });
-  });
+  std::vector<StarSimplices> blocks(
+      std::min((n + kBlock - 1) / kBlock, detail::kBlocksOfWave));
   StarSimplices result;
   result.simplices.arity = regions.dim + 1;
-  std::vector<Offset> starts(1, 0);
-  for (const StarSimplices& block : blocks) {
-    starts.push_back(starts.back() + static_cast<Offset>(block.votes.size()));
+  const Offset wave_length = detail::kBlocksOfWave * kBlock;
+  for (Offset wave = 0; wave < n; wave += wave_length) {
+    const Offset last = std::min(n, wave + wave_length);
+    detail::for_each_block_uncounted(
+        last - wave, kBlock, execution, [&](Offset begin, Offset end) {
+          detail::dispatch_dim(regions.dim, [&](auto k) {
+            VoteCounter<decltype(k)::value> counter(regions);
+            for (Offset x = wave + begin; x < wave + end; ++x) {
+              counter.count(static_cast<Index>(x), blocks[begin / kBlock]);
+            }
+          });
+        });
+    for (StarSimplices& block : blocks) {
+      detail::append(result.simplices.vertices, block.simplices.vertices);
+      detail::append(result.votes, block.votes);
+    }
+    if (wave == 0) {
+      detail::reserve_for(result.simplices.vertices, last, n);
+      detail::reserve_for(result.votes, last, n);
+    }
   }
-  result.votes.resize(starts.back());
-  result.simplices.vertices.resize(starts.back() * result.simplices.arity);
-  detail::for_each_block_uncounted(
-      static_cast<Offset>(blocks.size()), 16, execution, [&](Offset begin, Offset end) {
-        for (Offset b = begin; b < end; ++b) {
-          std::copy(blocks[b].votes.begin(), blocks[b].votes.end(),
-                    result.votes.begin() + starts[b]);
-          std::copy(
-              blocks[b].simplices.vertices.begin(), blocks[b].simplices.vertices.end(),
-              result.simplices.vertices.begin() + starts[b] * result.simplices.arity);
-          blocks[b] = {};
-        }
-      });
   return result;
 }
 

@@ -6,6 +6,7 @@
 #include "base/mix_bits.hpp"
 #include "base/parallel.hpp"
 #include "base/tolerance.hpp"
+#include "base/waves.hpp"
 #include "local/region.hpp"
 #include "local/tangent_frames.hpp"
 #include "remanifold/verify.hpp"
@@ -566,16 +567,16 @@ void compute_all(const Samples& samples, const NeighborSearch& search,
   });
   const Offset n = samples.size();
   const Offset block_length = block_size(result.dim);
-  std::vector<Block> blocks((n + block_length - 1) / block_length);
+  std::vector<Block> blocks(
+      std::min((n + block_length - 1) / block_length, detail::kBlocksOfWave));
   std::vector<Offset>& edge_counts = result.edge_sets.offsets;
   std::vector<Offset>& star_counts = result.star_offsets;
   edge_counts.assign(n + 1, 0);
   star_counts.assign(n + 1, 0);
   result.squared_radii.assign(n, std::numeric_limits<double>::quiet_NaN());
 
-  detail::for_each_block(n, block_length, execution, [&](Offset begin, Offset end) {
+  const auto work = [&](Block& block, Offset begin, Offset end) {
     Kernel& kernel = kernels.local();
-    Block& block = blocks[begin / block_length];
     for (Offset i = begin; i < end; ++i) {
       execution.poll();
       if ((i - begin) % kGroup == 0) {
@@ -594,7 +595,23 @@ void compute_all(const Samples& samples, const NeighborSearch& search,
       star_counts[i + 1] = kernel.region().append_star(block.stars);
       result.squared_radii[i] = kernel.region().squared_radius();
     }
-  });
+  };
+  const Offset wave_length = detail::kBlocksOfWave * block_length;
+  for (Offset wave = 0; wave < n; wave += wave_length) {
+    const Offset last = std::min(n, wave + wave_length);
+    detail::for_each_block(
+        last - wave, block_length, execution, [&](Offset begin, Offset end) {
+          work(blocks[begin / block_length], wave + begin, wave + end);
+        });
+    for (Block& block : blocks) {
+      detail::append(result.edge_sets.indices, block.edge_sets);
+      detail::append(result.stars, block.stars);
+    }
+    if (wave == 0) {
+      detail::reserve_for(result.edge_sets.indices, last, n);
+      detail::reserve_for(result.stars, last, n);
+    }
+  }
   for (const Kernel& kernel : kernels) {
     result.neighbors_used += kernel.neighbors_used();
     result.vacuous_constraints += kernel.vacuous_constraints();
@@ -602,20 +619,6 @@ void compute_all(const Samples& samples, const NeighborSearch& search,
   }
   std::partial_sum(edge_counts.begin(), edge_counts.end(), edge_counts.begin());
   std::partial_sum(star_counts.begin(), star_counts.end(), star_counts.begin());
-  result.edge_sets.indices.resize(edge_counts.back());
-  result.stars.resize(star_counts.back() * result.dim);
-  const auto join = [&](Offset begin, Offset end) {
-    for (Offset b = begin; b < end; ++b) {
-      const Offset first = b * block_length;
-      std::copy(blocks[b].edge_sets.begin(), blocks[b].edge_sets.end(),
-                result.edge_sets.indices.begin() + edge_counts[first]);
-      std::copy(blocks[b].stars.begin(), blocks[b].stars.end(),
-                result.stars.begin() + star_counts[first] * result.dim);
-      blocks[b] = {};
-    }
-  };
-  detail::for_each_block_uncounted(static_cast<Offset>(blocks.size()), 64, execution,
-                                   join);
 }
 
 }  // namespace
