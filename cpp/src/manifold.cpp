@@ -210,8 +210,7 @@ Reconstruction reconstruct(const Samples& given, const ReconstructOptions& optio
       count < neighborhoods.count ? nearest_of(neighborhoods, count) : Neighborhoods{};
   ManifoldComplex complex = build_manifold(
       samples.knowing(neighborhoods), fewer.count > 0 ? fewer : neighborhoods,
-      steps.tangents, steps.regions, manifold, solver, execution);
-  steps.regions = {};
+      steps.tangents, std::move(steps.regions), manifold, solver, execution);
   if (samples.has_points() && samples.ambient_dim() == dim && dim > 1) {
     leave_out_flat(samples, complex, execution);
   }

@@ -88,8 +88,7 @@ struct ManifoldComplex {
 /// All in canonical numbering. Without a solver only what the search can do is done.
 ManifoldComplex build_manifold(const Samples& samples,
                                const Neighborhoods& neighborhoods,
-                               const TangentSpaces& tangents,
-                               const LocalRegions& regions,
+                               const TangentSpaces& tangents, LocalRegions regions,
                                const ManifoldOptions& options,
                                const ProgramSolver& solver,
                                const Execution& execution = {});

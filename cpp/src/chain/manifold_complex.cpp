@@ -50,19 +50,19 @@ constexpr int kRings = 2;
 class ManifoldBuilder {
  public:
   ManifoldBuilder(const Samples& samples, const Neighborhoods& neighborhoods,
-                  const TangentSpaces& tangents, const LocalRegions& regions,
+                  const TangentSpaces& tangents, LocalRegions regions,
                   const ManifoldOptions& options, const ProgramSolver& solver,
                   const Execution& execution)
       : samples_(samples),
         neighborhoods_(neighborhoods),
         tangents_(tangents),
-        regions_(regions),
+        regions_(std::move(regions)),
         options_(options),
         solver_(solver),
         execution_(execution),
-        dim_(regions.dim),
-        arity_(regions.dim + 1),
-        scales_(local_scales(samples, neighborhoods, regions.dim, execution)),
+        dim_(regions_.dim),
+        arity_(regions_.dim + 1),
+        scales_(local_scales(samples, neighborhoods, regions_.dim, execution)),
         ruler_(samples, scales_),
         price_([this](const Index* facet) { return price_of(facet); }) {
     const std::vector<std::uint8_t>& marked = options_.boundary_samples;
@@ -114,6 +114,7 @@ class ManifoldBuilder {
   /// Splits the simplices of the stars into fixed_, disputed_ and large_.
   void fix_agreed() {
     StarSimplices stars = count_votes(regions_, execution_);
+    std::vector<Index>().swap(regions_.stars);  // they have voted
     const Offset count = stars.simplices.size();
     enum : std::uint8_t { kFixed, kLarge, kDisputed, kDropped };
     std::vector<std::uint8_t> kind(count, kDropped);
@@ -691,7 +692,7 @@ class ManifoldBuilder {
   const Samples& samples_;
   const Neighborhoods& neighborhoods_;
   const TangentSpaces& tangents_;
-  const LocalRegions& regions_;
+  LocalRegions regions_;
   ManifoldOptions options_;
   const ProgramSolver& solver_;
   const Execution& execution_;
@@ -725,14 +726,14 @@ double open_price(int dim, double hole_radius) {
 
 ManifoldComplex build_manifold(const Samples& samples,
                                const Neighborhoods& neighborhoods,
-                               const TangentSpaces& tangents,
-                               const LocalRegions& regions,
+                               const TangentSpaces& tangents, LocalRegions regions,
                                const ManifoldOptions& options,
                                const ProgramSolver& solver,
                                const Execution& execution) {
-  ManifoldComplex complex = ManifoldBuilder(samples, neighborhoods, tangents, regions,
-                                            options, solver, execution)
-                                .run();
+  ManifoldComplex complex =
+      ManifoldBuilder(samples, neighborhoods, tangents, std::move(regions), options,
+                      solver, execution)
+          .run();
   detail::assert_that(
       [&] { verify_manifold_complex(complex, samples.size(), execution); });
   return complex;
