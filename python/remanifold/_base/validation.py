@@ -7,7 +7,7 @@ import operator
 import os
 import sys
 from numbers import Real
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeGuard
 
 import numpy as np
 
@@ -402,7 +402,7 @@ def check_bases(
     return array, np.ascontiguousarray(missing)
 
 
-def _is_masked(values: Any) -> bool:
+def _is_masked(values: Any) -> TypeGuard[np.ma.MaskedArray[Any, Any]]:
     # Who has a masked array has imported the module, which is slow to import.
     return "numpy.ma" in sys.modules and isinstance(values, np.ma.MaskedArray)
 

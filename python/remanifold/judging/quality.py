@@ -926,9 +926,7 @@ def _matters(found: _Findings, opening: Opening) -> bool:
 
 def _changes(found: _Findings, removed: NDArray[np.bool_]) -> bool:
     """Whether the topology is another one without some simplices."""
-    return removal_changes(
-        found.rows, removed, found.repair.open_faces, len(found.own)
-    )
+    return removal_changes(found.rows, removed, found.repair.open_faces, len(found.own))
 
 
 def _necks(found: _Findings) -> Iterator[_Sign]:
