@@ -23,6 +23,7 @@ from remanifold.complex.graphs import edge_graph
 from remanifold.complex.projection import PointsOnComplex, Projection
 from remanifold.complex.topology import Topology, compute_topology
 from remanifold.drawing.plotting import plot
+from remanifold.judging.invariants import Invariant, Invariants
 from remanifold.judging.quality import Quality, Reason
 from remanifold.judging.singularities import Place, Singularities, find_singularities
 from remanifold.method.cleaning import Smoothing, find_outliers, smooth
@@ -67,6 +68,8 @@ __all__ = [
     "EdgeSets",
     "Embedding",
     "FileWarning",
+    "Invariant",
+    "Invariants",
     "LocalRegions",
     "ManifoldWarning",
     "Neighborhoods",

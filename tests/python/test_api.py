@@ -592,6 +592,7 @@ def results():
         rec = rm.reconstruct(sample(2), 2, method=method, smooth=True)
         yield from (rec, rec.topology(), rec.repair, rec.smoothing, rec.subset([0]))
         yield from (rec.project(sample(2)), rec.sample(5), rm.embed(rec))
+        yield from (rec.check(), *rec.check().checked)
     tangents = rm.tangent_spaces(sample(2), 2)
     regions = rm.local_regions(sample(2), tangents.bases, tangents.boundary)
     yield from (tangents, regions, regions.edge_sets, regions.stars)

@@ -337,7 +337,8 @@ def reconstruct_samples(
         vertices=vertices,
         samples=samples.matrix.view() if known else None,
         simplices=result["simplices"],
-        boundary=result["boundary"],
+        # A copy lies where its sample lies, in whose name the simplices are.
+        boundary=result["boundary"][result["representatives"]],
         representatives=result["representatives"],
         outliers=result["cleaning"]["outliers"],
         invalid=invalid,
