@@ -92,7 +92,7 @@ def draw(case: Case) -> Drawn:
         points = points + noise * spacing(points) * rng.normal(size=points.shape)
         said.append(f"noise {noise:g}")
     strewn = np.zeros(count, dtype=bool)
-    clutter = float(rng.choice([0, 0, 0, 0, 0, 0, 0.02, 0.1]))
+    clutter = float(rng.choice([0, 0, 0, 0, 0, 0, 0, 0, 0.02, 0.1]))
     if clutter:
         number = math.ceil(clutter * count)
         middle = (points.min(axis=0) + points.max(axis=0)) / 2

@@ -598,6 +598,7 @@ def results():
     yield from (tangents, regions, regions.edge_sets, regions.stars)
     yield from (rm.neighborhoods(sample(2), 4), rm.estimate_dimension(sample(2)))
     yield rm.SimplicialComplex(sample(2), [[0, 1, 2]])
+    yield rm.forecast(sample(2), dim=2)
     yield from rm.reconstruct(
         rm.datasets.spherical_cap(100, random_state=0), 2
     ).openings
