@@ -42,7 +42,7 @@ SOURCES := CMakeLists.txt README.md pyproject.toml $(shell find cpp python tests
 
 .NOTPARALLEL:
 .PHONY: all demo check test test-cpp test-python test-consumers test-lowest test-newest \
-  smoke constraints bench bench-docs bench-hard hard bench-steps side-by-side \
+  smoke constraints bench bench-docs bench-hard hard bench-steps soak side-by-side \
   side-by-side-docs docs wheel lint format system-packages clean distclean
 
 all: $(PACKAGE)
@@ -118,6 +118,10 @@ bench-hard:
 hard: $(PACKAGE)
 	$(BIN)/python -m pip install -q meshlib
 	$(BIN)/python benchmarks/hard.py --driver $(BUILD)/benchmarks/remanifold_peers $(ARGS)
+
+# Random manifolds of all families. make soak ARGS="--seconds 3600 --seed 1"
+soak: $(PACKAGE)
+	$(BIN)/python benchmarks/soak.py $(ARGS)
 
 # The steps one by one. make bench-steps ARGS="--shape sphere3 --samples 10000,20000"
 bench-steps: $(PACKAGE)

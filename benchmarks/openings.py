@@ -17,7 +17,7 @@ import json
 import math
 import os
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Any
 
 import numpy as np
@@ -27,15 +27,14 @@ from rich.table import Table
 
 import remanifold as rm
 from command import JobsOption, JsonOption, MarkdownOption, TimeLimitOption, make_app
+from families import OPENINGS, SIMPLICES, Family
 from processes import Failure, run_all
 
 KINDS = ("random", "even", "lattice", "graded")
 # The smallest N at which a torus of Fourier coordinates is sampled densely enough.
 SIZES = {1: (100, 1000, 10_000), 2: (400, 2000, 10_000), 3: (2500, 6000)}
 LEVELS = (0.1, 0.01, 0.001)
-# As in cpp/src/chain/openings.cpp: simplices a sample, the radius of large ones over the
-# inner scale, clusters a sample with a weight above w: rate * exp(-decay * w).
-SIMPLICES = {1: 1.0, 2: 2.0, 3: 6.7677}
+# As in cpp/src/chain/openings.cpp: the radius of large simplices over the inner scale, clusters a sample with a weight above w: rate * exp(-decay * w).
 LARGE = {1: 0.5, 2: 1.2, 3: 1.2}
 RATE = {1: 0.15, 2: 0.016, 3: 0.0021}
 DECAY = {1: 0.95, 2: 0.70, 3: 0.72}
@@ -313,182 +312,18 @@ def holes(
 # --- A soak ---------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Family:
-    """Samples, and the Betti numbers and components that are right."""
-
-    name: str
-    dim: int
-    points: Any
-    betti_numbers: tuple[int, ...]
-    missing: float = math.inf  # samples in its gap
-
-    @property
-    def shows_it(self) -> bool:
-        """Whether chance leaves such a gap in fewer than 5 % of data.
-
-        Simplices with as large an empty ball are expected among independent samples as
-        Miles (1974) has it: what it holds is distributed as Gamma(K).
-        """
-        if math.isinf(self.missing):
-            return True
-        terms = [self.missing**i / math.factorial(i) for i in range(self.dim)]
-        expected = len(self.points) * SIMPLICES[self.dim] * sum(terms)
-        return expected * math.exp(-self.missing) < 0.05
-
-
 def family(seed: int) -> Family:
     """One of the families, its sizes, gap, evenness and noise drawn by the seed."""
     rng = np.random.default_rng(seed)
-    name = str(rng.choice(list(BUILDERS)))
+    name = str(rng.choice(list(OPENINGS)))
     gap = float(np.exp(rng.uniform(0, np.log(30))))  # spacings
     noise = float(rng.choice([0.0, 0.0, 0.1, 0.3, 0.5]))
     kind = str(rng.choice(["random", "random", "even"]))
-    made = BUILDERS[name](rng, gap, kind)
+    made = OPENINGS[name](rng, gap, kind)
     spacing = np.median(rm.neighborhoods(made.points, 1, num_threads=1).distances)
     points = made.points + noise * spacing * rng.normal(size=made.points.shape)
     label = f"{name}, gap {gap:.1f}, {kind}, noise {noise:g}, N {len(points)}"
-    return Family(label, made.dim, points, made.betti_numbers, made.missing)
-
-
-def _line(rng: Any, num: int, kind: str) -> Any:
-    if kind == "even":
-        return (np.arange(num) + rng.uniform(-0.3, 0.3, num)) / num % 1.0
-    return rng.random(num)
-
-
-def _plane(rng: Any, num: int, kind: str, height: float = 1.0) -> Any:
-    """About so many samples of [0, 1) x [0, height)."""
-    if kind == "even":
-        step = math.sqrt(height / num)
-        x, y = np.meshgrid(np.arange(0, 1, step), np.arange(0, height, step))
-        points = np.stack([x.ravel(), y.ravel()], axis=1)
-        return points + rng.uniform(-0.25 * step, 0.25 * step, size=points.shape)
-    return rng.random((num, 2)) * [1, height]
-
-
-def _arc(rng: Any, gap: float, kind: str) -> Family:
-    num = int(rng.integers(80, 1000))
-    open_angle = 2 * np.pi * gap / (num + gap)
-    angle = open_angle + _line(rng, num, kind) * (2 * np.pi - open_angle)
-    return Family("arc", 1, np.c_[np.cos(angle), np.sin(angle)], (1, 0), gap)
-
-
-def _segments(rng: Any, gap: float, kind: str) -> Family:
-    num = int(rng.integers(60, 500))
-    apart = max(gap, 3.0) / num
-    points = np.concatenate(
-        [np.c_[_line(rng, num, kind), np.full(num, y)] for y in (0, apart)]
-    )
-    return Family("segments", 1, points, (2, 0))
-
-
-def _loops(rng: Any, gap: float, kind: str) -> Family:
-    num, few = int(rng.integers(100, 600)), int(rng.integers(8, 40))
-    step = 2 * np.pi / num
-    radius = step * few / (2 * np.pi)
-    angle, small = (2 * np.pi * _line(rng, n, kind) for n in (num, few))
-    apart = 1 + radius + max(gap, 3.0) * step
-    loop = radius * np.c_[np.cos(small), np.sin(small)] + [apart, 0]
-    return Family(
-        "loops", 1, np.concatenate([np.c_[np.cos(angle), np.sin(angle)], loop]), (2, 2)
-    )
-
-
-def _circle(rng: Any, gap: float, kind: str) -> Family:  # noqa: ARG001
-    angle = 2 * np.pi * _line(rng, int(rng.integers(60, 1500)), kind)
-    return Family("circle", 1, np.c_[np.cos(angle), np.sin(angle)], (1, 1))
-
-
-def _sheet(rng: Any, gap: float, kind: str) -> Family:
-    """A square with a disc taken out."""
-    num = int(rng.integers(400, 3000))
-    points = _plane(rng, num, kind)
-    away = np.linalg.norm(points - 0.5, axis=1) > gap / 2 / math.sqrt(num)
-    missing = math.pi * gap**2 / 4
-    return Family(
-        "sheet with a hole",
-        2,
-        np.pad(points[away], [(0, 0), (0, 1)]),
-        (1, 1, 0),
-        missing,
-    )
-
-
-def _squares(rng: Any, gap: float, kind: str) -> Family:
-    num = int(rng.integers(300, 1500))
-    apart = max(gap, 3.0) / math.sqrt(num)
-    points = np.concatenate(
-        [
-            np.pad(_plane(rng, num, kind), [(0, 0), (0, 1)], constant_values=z)
-            for z in (0, apart)
-        ]
-    )
-    return Family("squares", 2, points, (2, 0, 0))
-
-
-def _rolled(rng: Any, gap: float, kind: str) -> Family:
-    """A cylinder with a slit of the gap."""
-    num = int(rng.integers(600, 2500))
-    spacing = math.sqrt(2 * np.pi * 2 / num)
-    slit = min(gap * spacing, np.pi)
-    flat = _plane(rng, num, kind, 2 / (2 * np.pi - slit))
-    angle, height = flat[:, 0] * (2 * np.pi - slit), flat[:, 1] * (2 * np.pi - slit)
-    # Edges of three spacings are common: nothing shows a narrower slit, however long.
-    missing = slit * 2 / spacing**2 if gap >= 3 else 0.0
-    return Family(
-        "rolled sheet",
-        2,
-        np.c_[np.cos(angle), np.sin(angle), height],
-        (1, 0, 0),
-        missing,
-    )
-
-
-def _torus(rng: Any, gap: float, kind: str) -> Family:  # noqa: ARG001
-    num = int(rng.integers(400, 3000))
-    points = rm.datasets.torus(num, random_state=int(rng.integers(1 << 30)))
-    return Family("torus", 2, points, (1, 2, 1))
-
-
-def _spheres(rng: Any, gap: float, kind: str) -> Family:  # noqa: ARG001
-    num, few = int(rng.integers(300, 1500)), int(rng.integers(12, 80))
-    radius = math.sqrt(few / num)
-    spacing = math.sqrt(4 * np.pi / num)
-    apart = 1 + radius + max(gap, 3.0) * spacing
-    seeds = rng.integers(1 << 30, size=2)
-    large = rm.datasets.sphere(num, random_state=int(seeds[0]))
-    small = rm.datasets.sphere(few, random_state=int(seeds[1]))
-    return Family(
-        "spheres", 2, np.concatenate([large, radius * small + [apart, 0, 0]]), (2, 0, 2)
-    )
-
-
-def _ball(rng: Any, gap: float, kind: str) -> Family:  # noqa: ARG001
-    """A ball in space with a ball taken out."""
-    num = int(rng.integers(1000, 2500))
-    points = rng.normal(size=(num, 3))
-    points /= np.linalg.norm(points, axis=1, keepdims=True)
-    points *= rng.random((num, 1)) ** (1 / 3)
-    spacing = (4 / 3 * np.pi / num) ** (1 / 3)
-    radius = min(gap * spacing / 2, 0.6)
-    points = points[np.linalg.norm(points, axis=1) > radius]
-    missing = num * radius**3
-    return Family("ball with a cavity", 3, points, (1, 0, 1, 0), missing)
-
-
-BUILDERS = {
-    "arc": _arc,
-    "segments": _segments,
-    "loops": _loops,
-    "circle": _circle,
-    "sheet with a hole": _sheet,
-    "squares": _squares,
-    "rolled sheet": _rolled,
-    "torus": _torus,
-    "spheres": _spheres,
-    "ball with a cavity": _ball,
-}
+    return replace(made, name=label, points=points)
 
 
 @dataclass(frozen=True)
@@ -505,12 +340,9 @@ def one_run(seed: int) -> Run:
     made = family(seed)
     rec = rm.reconstruct(made.points, made.dim, num_threads=1)
     found = rec.topology()
-    right = (
-        found.manifold
-        and found.betti_numbers[: len(made.betti_numbers)]
-        == (made.betti_numbers[: len(found.betti_numbers)])
-    )
-    said = f"{found.betti_numbers}, not {made.betti_numbers}"
+    true = made.truth.betti_numbers
+    right = found.manifold and found.betti_numbers == true
+    said = f"{found.betti_numbers}, not {true}"
     return Run(made.name, bool(right), not rec.quality.ok, made.shows_it, said)
 
 
@@ -547,7 +379,7 @@ def soak(
         ]
         if verbose and not result.right and not result.doubted and result.decidable:
             say.print(f"seed {seed}: {result.name}: {result.said}", markup=False)
-    rows = [[name, *map(str, counts[name])] for name in BUILDERS if name in counts]
+    rows = [[name, *map(str, counts[name])] for name in OPENINGS if name in counts]
     rows.append(["all", *map(str, sum(counts.values()))])
     heads = ["family", "runs", "right", "of these doubted", "wrong", "and silent"]
     heads += ["though data shows it"]

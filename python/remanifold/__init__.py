@@ -23,10 +23,12 @@ from remanifold.complex.graphs import edge_graph
 from remanifold.complex.projection import PointsOnComplex, Projection
 from remanifold.complex.topology import Topology, compute_topology
 from remanifold.drawing.plotting import plot
+from remanifold.judging.invariants import Invariant, Invariants
 from remanifold.judging.quality import Quality, Reason
 from remanifold.judging.singularities import Place, Singularities, find_singularities
 from remanifold.method.cleaning import Smoothing, find_outliers, smooth
 from remanifold.method.dimension import DimensionEstimate, estimate_dimension
+from remanifold.method.forecast import Forecast
 from remanifold.method.openings import Opening
 from remanifold.method.provenance import Parameter, Parameters, Provenance
 from remanifold.method.result import Repair
@@ -43,6 +45,7 @@ from remanifold.method.steps import (
     tangent_spaces,
 )
 from remanifold.page.report_page import write_report
+from remanifold.results.forecast import forecast
 from remanifold.results.reconstruct import reconstruct
 from remanifold.results.reconstruction import Reconstruction, load
 from remanifold.results.simplicial_complex import SimplicialComplex, Subcomplex
@@ -67,6 +70,9 @@ __all__ = [
     "EdgeSets",
     "Embedding",
     "FileWarning",
+    "Forecast",
+    "Invariant",
+    "Invariants",
     "LocalRegions",
     "ManifoldWarning",
     "Neighborhoods",
@@ -101,6 +107,7 @@ __all__ = [
     "estimate_dimension",
     "find_outliers",
     "find_singularities",
+    "forecast",
     "interoperability",
     "io",
     "load",

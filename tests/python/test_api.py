@@ -592,11 +592,13 @@ def results():
         rec = rm.reconstruct(sample(2), 2, method=method, smooth=True)
         yield from (rec, rec.topology(), rec.repair, rec.smoothing, rec.subset([0]))
         yield from (rec.project(sample(2)), rec.sample(5), rm.embed(rec))
+        yield from (rec.check(), *rec.check().checked)
     tangents = rm.tangent_spaces(sample(2), 2)
     regions = rm.local_regions(sample(2), tangents.bases, tangents.boundary)
     yield from (tangents, regions, regions.edge_sets, regions.stars)
     yield from (rm.neighborhoods(sample(2), 4), rm.estimate_dimension(sample(2)))
     yield rm.SimplicialComplex(sample(2), [[0, 1, 2]])
+    yield rm.forecast(sample(2), dim=2)
     yield from rm.reconstruct(
         rm.datasets.spherical_cap(100, random_state=0), 2
     ).openings

@@ -13,6 +13,8 @@ Each command is a function in a module of its own; here they are given their nam
 
 from __future__ import annotations
 
+import os
+import sys
 from typing import Annotated, Any
 
 import typer
@@ -28,7 +30,13 @@ from remanifold.cli import (
     report,
     view,
 )
-from remanifold.cli._common import examples, renamed
+from remanifold.cli._common import (
+    describe,
+    examples,
+    messages_console,
+    renamed,
+    say,
+)
 
 __all__ = ["app", "main"]
 
@@ -66,7 +74,18 @@ app = typer.Typer(
 
 def main() -> None:
     """Run the command line."""
-    app(prog_name="remanifold")
+    try:
+        try:
+            app(prog_name="remanifold")
+        finally:
+            if sys.stdout is not None:  # as it is where it was closed
+                sys.stdout.flush()
+    except OSError as error:  # of standard output: commands name their files themselves
+        # What is still held for it must not be tried again at exit.
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, sys.stdout.fileno())
+        say(messages_console(), f"error: standard output: {describe(error)}", "red")
+        sys.exit(1)
 
 
 def _version(wanted: bool) -> None:

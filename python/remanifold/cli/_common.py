@@ -10,6 +10,7 @@ import re
 import shlex
 import sys
 import time
+import warnings
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
@@ -256,9 +257,13 @@ def print_report(
 
 @contextlib.contextmanager
 def failures(messages: Console) -> Iterator[None]:
-    """Say in one line what failed, and exit."""
+    """Say in one line what failed, and exit; of warnings that nobody else takes too."""
     try:
-        yield
+        with warnings.catch_warnings():
+            warnings.showwarning = lambda message, *_args, **_options: say(
+                messages, f"warning: {message}", "yellow"
+            )
+            yield
     except KeyboardInterrupt:
         say(messages, "interrupted", "red")
         raise typer.Exit(130) from None

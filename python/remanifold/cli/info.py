@@ -38,7 +38,7 @@ from remanifold.formats._mesh import (
 from remanifold.formats._source import Source
 from remanifold.method.dimension import LOW_CONFIDENCE
 from remanifold.method.provenance import said
-from remanifold.method.survey import MOST, expected_bytes, expected_seconds, survey
+from remanifold.method.survey import MOST, survey
 
 EPILOG = examples(
     "remanifold info scan.laz",
@@ -203,13 +203,10 @@ def _survey(points: NDArray[Any], threads: int | None, *, skip: bool) -> dict[st
         "samples": min(len(distinct), MOST),
         "verdict": estimate.verdict,
     }
+    expected = rm.forecast(distinct, dim=estimate.dim)
     report["expected"] = {
-        "seconds": expected_seconds(
-            distinct,
-            estimate.dim,
-            lambda patch, dim: rm.reconstruct(patch, dim, num_threads=1),
-        ),
-        "bytes": expected_bytes(len(distinct), distinct.shape[1], estimate.dim),
+        "seconds": expected.seconds if expected.seconds > 0 else None,
+        "bytes": expected.bytes if expected.bytes > 0 else None,
     }
     return report
 

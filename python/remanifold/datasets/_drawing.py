@@ -14,6 +14,10 @@ from numpy.typing import NDArray
 FloatArray: TypeAlias = NDArray[np.float64]
 
 
+# Lengths whose squares are numbers.
+_SHORTEST, _LONGEST = 1e-100, 1e100
+# Rejection gives up when so many were tried and fewer than one of so many was kept.
+_TRIES, _RAREST = 50_000, 10_000
 RandomState: TypeAlias = int | np.random.Generator | np.random.RandomState | None
 
 
@@ -42,11 +46,23 @@ def _reject(
     rng: np.random.Generator,
     bound: float,
 ) -> FloatArray:
-    """Keep parameters with a chance of density / bound, until there are enough."""
+    """Keep parameters with a chance of density / bound, until there are enough.
+
+    Where hardly any are kept the parameters of the shape are too extreme: that ends.
+    """
     kept: list[FloatArray] = []
+    tried = 0
     while (missing := count - sum(map(len, kept))) > 0:
-        parameters, density = draw(2 * missing + 8)
+        if tried >= _TRIES and (count - missing) * _RAREST < tried:
+            msg = (
+                f"of {tried:,} samples that were tried {count - missing:,} lie on the "
+                "shape: its parameters are too extreme to draw any"
+            )
+            raise ValueError(msg)
+        wanted = 2 * missing + 8
+        parameters, density = draw(wanted)
         kept.append(parameters[rng.uniform(0.0, bound, len(density)) < density])
+        tried += wanted
     return np.concatenate(kept)[:count]
 
 
@@ -133,8 +149,23 @@ def _at_least(value: int, minimum: int, name: str) -> int:
 
 
 def _positive(value: float, name: str) -> float:
-    if not value > 0:
-        msg = f"{name} must be positive, got {value}"
+    if not _SHORTEST <= value <= _LONGEST:
+        limits = f"from {_SHORTEST:g} to {_LONGEST:g}"
+        msg = f"{name} must be positive, {limits}, got {value}"
+        raise ValueError(msg)
+    return value
+
+
+def _share(value: float, name: str) -> float:
+    if not 0 < value < 1:
+        msg = f"{name} must be between 0 and 1, got {value}"
+        raise ValueError(msg)
+    return value
+
+
+def _jitter(value: float) -> float:
+    if not 0 <= value <= _LONGEST:
+        msg = f"jitter must be at least 0 and at most {_LONGEST:g}, got {value}"
         raise ValueError(msg)
     return value
 
@@ -154,6 +185,8 @@ def _check_radii(
     if not 0 < inner < outer:
         msg = f"0 < {names[1]} < {names[0]} must hold, got {inner} and {outer}"
         raise ValueError(msg)
+    _positive(inner, names[1])
+    _positive(outer, names[0])
 
 
 def _check_multiple(count: int, num_around: int) -> None:
@@ -165,8 +198,9 @@ def _check_multiple(count: int, num_around: int) -> None:
 
 
 def _check_spacing_ratio(spacing_ratio: float) -> None:
-    if not 1 <= spacing_ratio < np.inf:
-        msg = f"spacing_ratio must be at least 1 and finite, got {spacing_ratio}"
+    if not 1 <= spacing_ratio <= _LONGEST:
+        limits = f"at least 1 and at most {_LONGEST:g}"
+        msg = f"spacing_ratio must be {limits}, got {spacing_ratio}"
         raise ValueError(msg)
 
 

@@ -58,6 +58,8 @@ def flat_torus(
     if scales.shape not in {(), (dim,)} or not np.all(scales > 0):
         msg = f"radii must be one positive number or {dim} of them, got {radii}"
         raise ValueError(msg)
+    for scale in scales.ravel():
+        _positive(float(scale), "radii")
     scales = np.broadcast_to(scales, (dim,))
     points = np.hstack([r * _unit_circle(_angles(count, rng)) for r in scales])
     return points if ambient_dim is None else embed(points, ambient_dim, rng)
@@ -127,8 +129,16 @@ def sphere_times_circle(
     rng = _generator(random_state)
     return np.hstack(
         [
-            sphere(num_samples, radius=sphere_radius, random_state=rng),
-            circle(num_samples, radius=circle_radius, random_state=rng),
+            sphere(
+                num_samples,
+                radius=_positive(sphere_radius, "sphere_radius"),
+                random_state=rng,
+            ),
+            circle(
+                num_samples,
+                radius=_positive(circle_radius, "circle_radius"),
+                random_state=rng,
+            ),
         ]
     )
 

@@ -15,6 +15,7 @@ from remanifold.datasets._drawing import (
     _count,
     _directions,
     _generator,
+    _jitter,
     _positive,
     _reject,
     _unit_circle,
@@ -131,7 +132,7 @@ def grid_cylinder(
     columns = _at_least(num_around, 3, "num_around")
     _check_multiple(count, columns)
     rows, column = np.divmod(np.arange(count), columns)
-    displacement = jitter * rng.standard_normal((2, count))
+    displacement = _jitter(jitter) * rng.standard_normal((2, count))
     step = 2 * np.pi / columns
     around = _unit_circle(step * (column + displacement[0]))
     return _positive(radius, "radius") * np.column_stack(

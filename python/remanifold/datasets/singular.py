@@ -20,6 +20,7 @@ from remanifold.datasets._drawing import (
     _generator,
     _positive,
     _reject,
+    _share,
     _shares,
     _torus_points,
     _unit_circle,
@@ -297,7 +298,7 @@ def sphere_with_antenna(
         Samples, uniform in area on the sphere, then uniform in length on the line.
     """
     rng = _generator(random_state)
-    counts = _shares(num_samples, [1 - share, share])
+    counts = _shares(num_samples, [1 - _share(share, "share"), share])
     line = np.zeros((counts[1], 3))
     line[:, 2] = 1 + rng.uniform(0.0, _positive(length, "length"), counts[1])
     return np.vstack([_directions(counts[0], 3, rng), line])
@@ -334,7 +335,7 @@ def ball_on_disc(
     """
     rng, dim = _generator(random_state), _at_least(dim, 1, "dim")
     _check_radii(1.0, radius, ("1", "radius"))
-    counts = _shares(num_samples, [1 - share, share])
+    counts = _shares(num_samples, [1 - _share(share, "share"), share])
     radii = rng.uniform(radius**dim, 1.0, (counts[0], 1)) ** (1 / dim)
     disc = radii * _directions(counts[0], dim, rng)
     solid = ball(counts[1], dim=dim + 1, radius=radius, random_state=rng)

@@ -18,6 +18,7 @@ from remanifold.datasets._drawing import (
     _directions,
     _generator,
     _interlock,
+    _jitter,
     _positive,
     _reject,
     _shares,
@@ -154,6 +155,7 @@ def double_torus(
     if not 0 < thickness < 0.25:
         msg = f"thickness must be between 0 and 1/4, got {thickness}"
         raise ValueError(msg)
+    _positive(thickness, "thickness")
     _positive(length, "length")
     _check_spacing_ratio(spacing_ratio)
     extent = np.array(
@@ -247,7 +249,7 @@ def grid_torus(
     _check_multiple(count, rows)
     i, j = np.divmod(np.arange(count), count // rows)
     shift = 0.5 * (j % 2) if staggered else 0.0
-    displacement = jitter * rng.standard_normal((2, count))
+    displacement = _jitter(jitter) * rng.standard_normal((2, count))
     return _torus_points(
         2 * np.pi * (i + shift + displacement[0]) / rows,
         2 * np.pi * (j + displacement[1]) / (count // rows),

@@ -23,7 +23,12 @@ def read_e57(source: Source, with_fields: bool) -> FileMesh:
         with source.on_disk() as path:
             file = pye57.E57(str(path))
             try:
+                bits = 8 * path.stat().st_size
                 for i in range(file.scan_count):
+                    count = file.get_header(i).point_count
+                    if count > bits:  # not one for each, and memory for all
+                        msg = f"it promises {count} points, and holds {bits // 8} bytes"
+                        raise ValueError(msg)
                     found, fields = _scan(file, i)
                     points.append(found)
                     scans.append(fields)

@@ -13,6 +13,7 @@ from urllib.parse import unquote
 import numpy as np
 from numpy.typing import NDArray
 
+from remanifold.formats._arrays import MOST_PER_BYTE
 from remanifold.formats._mesh import Faces, FileMesh, check_corners, strip_triangles
 from remanifold.formats._source import FloatArray, IntArray, Source
 
@@ -104,6 +105,7 @@ class _Scene:
         fields: list[dict[str, NDArray[Any]]] = []
         start = 0
         placed = self._placed()
+        self._check_repeats([number for number, _ in placed])
         known: dict[int, int] = {}  # accessors of positions shared by primitives
         for number, matrix in placed:
             known.clear()
@@ -154,6 +156,21 @@ class _Scene:
             children = reversed(node.get("children", []))
             todo += [(child, matrix, depth + 1) for child in children]
         return found
+
+    def _check_repeats(self, placed: list[int]) -> None:
+        """Refuse few points that are placed so often that no memory holds them."""
+        accessors, rows = self.scene["accessors"], 0
+        for number in placed:
+            primitives = self.scene["meshes"][number]["primitives"]
+            positions = {one["attributes"]["POSITION"] for one in primitives}
+            rows += sum(accessors[where]["count"] for where in positions)
+        size = len(self.source.data)
+        if 24 * rows > MOST_PER_BYTE * size:  # buffers beside it may hold more
+            number = len(self.scene.get("buffers", ()))
+            size += sum(len(self._buffer(i)) for i in range(number))
+        if 24 * rows > MOST_PER_BYTE * size:
+            what = f"{len(placed)} meshes of {rows} points in {size} bytes"
+            self.source.fail(f"is damaged, or repeats its meshes too often: {what}")
 
     def _fields(self, attributes: Any, matrix: FloatArray) -> dict[str, NDArray[Any]]:
         fields: dict[str, NDArray[Any]] = {}
@@ -206,8 +223,8 @@ class _Scene:
             start = accessor.get("byteOffset", 0)
             array = self._view(accessor["bufferView"], kind, width, count, start)
         else:
-            if count > 1 << 31:
-                self.source.fail(f"is damaged: an accessor has {count} rows")
+            if count > len(self.source.data):  # zeros that nothing in it stands for
+                self.source.fail(f"is damaged: an accessor has {count} rows of nothing")
             array = np.zeros((count, width), dtype=kind)
         if "sparse" in accessor:
             array = self._sparse(array, accessor["sparse"], kind, width)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 
 import numpy as np
@@ -33,9 +34,8 @@ def read_grid(source: Source) -> FileMesh | None:
         words = lines[start].split()
         head[words[0].lower()] = source.floats(start + 1, words[1:], 1)[0]
         start += 1
-    missing = [
-        key for key in ("ncols", "nrows", "cellsize") if not head.get(key, 0) > 0
-    ]
+    sizes = ("ncols", "nrows", "cellsize")
+    missing = [key for key in sizes if not 0 < head.get(key, 0) < math.inf]
     if missing:
         source.fail(f"is a grid of heights without {', '.join(missing)} in its header")
     width, height, size = int(head["ncols"]), int(head["nrows"]), head["cellsize"]

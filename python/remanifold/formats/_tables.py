@@ -5,12 +5,15 @@ from __future__ import annotations
 
 import csv
 import io
+import os
 import zipfile
+from collections.abc import Mapping
 from typing import IO, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from remanifold.formats._arrays import Held, archive_arrays, damage, read_npy
 from remanifold.formats._columns import GROUPS, mesh_of_table, named_columns
 from remanifold.formats._grid import read_grid
 from remanifold.formats._mesh import FileMesh, Table
@@ -55,15 +58,17 @@ def read_numpy(source: Source, with_fields: bool) -> FileMesh:
     with source.open() as file:
         if is_saved(file):
             return mesh_of_saved(source, file)
-        # A damaged file is reported by whatever stumbles over it first: zipfile,
-        # zlib, the parser of NumPy's header, ...
-        try:
-            content = np.load(file, allow_pickle=False)
-            arrays = None if isinstance(content, np.ndarray) else dict(content)
-        except Exception as error:  # noqa: BLE001
-            source.fail(f"is damaged, truncated or no NumPy file ({error})", error)
-    if arrays is not None:
-        return mesh_of_arrays(source, arrays, with_fields)
+        if zipfile.is_zipfile(file):
+            file.seek(0)
+            with damage(source):
+                archive = zipfile.ZipFile(file)
+            with archive:
+                arrays = archive_arrays(source, archive)
+                return mesh_of_arrays(source, arrays, with_fields)
+        size = file.seek(0, os.SEEK_END)
+        file.seek(0)
+        with damage(source):
+            content = read_npy(file, size)
     if content.dtype.names is not None:
         return mesh_of_table(source, _structured(source, content))
     points = _matrix(source, "the array", content)
@@ -94,23 +99,23 @@ _POINTS = (
 
 
 def mesh_of_arrays(
-    source: Source, arrays: dict[str, NDArray[Any]], with_fields: bool
+    source: Source, arrays: Mapping[str, Held], with_fields: bool
 ) -> FileMesh:
-    """Points, simplices and fields from arrays by their names."""
+    """Points, simplices and fields from arrays by their names; no others are read."""
     mesh = _points_among(source, arrays)
     # Where there are columns these are the fields already.
     if mesh.table is not None or not (with_fields or source.cells or source.columns):
         return mesh
     count = len(mesh.points)
     if "simplices" in arrays and source.cells:
-        simplices = _simplices(source, arrays["simplices"], count)
+        simplices = _simplices(source, arrays["simplices"].read(), count)
         mesh.cells[simplices.shape[1]] = simplices
     mesh.fields |= {
-        key: array
+        key: array.read()
         for key, array in arrays.items()
         if key not in (*RESERVED, mesh.chosen)
         and array.ndim in (1, 2)
-        and array.size
+        and array.nbytes
         and len(array) == count
         and array.dtype.kind in "biuf"
     }
@@ -118,7 +123,7 @@ def mesh_of_arrays(
     return mesh
 
 
-def _points_among(source: Source, arrays: dict[str, NDArray[Any]]) -> FileMesh:
+def _points_among(source: Source, arrays: Mapping[str, Held]) -> FileMesh:
     names = [key for key, array in arrays.items() if array.ndim == 2]
     lengths = {len(array) for array in arrays.values() if array.ndim == 1}
     asked = source.columns[0] if source.columns and len(source.columns) == 1 else None
@@ -129,7 +134,7 @@ def _points_among(source: Source, arrays: dict[str, NDArray[Any]]) -> FileMesh:
     elif len(names) == 1:
         (name,) = names
     elif not names and len(lengths) == 1 and {"x", "y"} <= {k.lower() for k in arrays}:
-        table = Table([*arrays.values()], [*arrays])
+        table = Table([array.read() for array in arrays.values()], [*arrays])
         return mesh_of_table(source, table)
     elif any(key in names for key in _POINTS):
         name = next(key for key in _POINTS if key in names)
@@ -141,7 +146,7 @@ def _points_among(source: Source, arrays: dict[str, NDArray[Any]]) -> FileMesh:
             "expected an array 'points' or a single array of shape (N, D), "
             f"found {found or 'no arrays'}{remedy}"
         )
-    mesh = FileMesh(_matrix(source, f"the array '{name}'", arrays[name]))
+    mesh = FileMesh(_matrix(source, f"the array '{name}'", arrays[name].read()))
     mesh.chosen = name
     return mesh
 

@@ -33,6 +33,7 @@ _TYPES = {
     "Float32": "f4",
     "Float64": "f8",
 }
+_ENCODINGS = ("ascii", "utf-16-le", "utf-16-be")
 _COMPRESSORS = ("", "vtkZLibDataCompressor", "vtkLZMADataCompressor")
 # Kinds of cells of a .vtp file, and what they are among those of a grid.
 _KINDS = {"Lines": POLYLINE, "Strips": STRIP, "Polys": POLYGON}
@@ -65,6 +66,9 @@ class _Reader:
             self.appended = source.data[found.end() : end]
             self.raw = b"raw" in found[1]
             text = source.data[: found.end()] + source.data[end:]
+        # VTK writes none, and entities are how little text becomes much.
+        if any("<!DOCTYPE".encode(code) in text for code in _ENCODINGS):
+            source.fail("is no VTK file: it declares a type of document")
         try:
             self.root = ET.fromstring(text)
         except (ET.ParseError, ValueError, LookupError) as error:
@@ -190,7 +194,8 @@ class _Reader:
                 self.source.fail(f"{name!r} holds what is no number ({error})", error)
         else:
             try:
-                data = self._bytes(array, form)
+                # One block more than there should be tells that there are too many.
+                data = self._bytes(array, form, expected * np.dtype(kind).itemsize)
             except (ValueError, zlib.error, lzma.LZMAError, binascii.Error) as error:
                 what = f"the data of {name!r} cannot be read ({error})"
                 self.source.fail(f"is damaged or truncated: {what}", error)
@@ -202,11 +207,11 @@ class _Reader:
             self.source.fail(f"is damaged or truncated: {what}")
         return values.reshape(rows, width)
 
-    def _bytes(self, array: ET.Element, form: str) -> bytes:
+    def _bytes(self, array: ET.Element, form: str, wanted: int) -> bytes:
         if form == "appended":
             data = self.appended[self._count(array, "offset") :]
             if self.raw:
-                return self._unpacked(data)
+                return self._unpacked(data, wanted)
         elif form == "binary":
             data = "".join((array.text or "").split()).encode("ascii", "replace")
         else:
@@ -217,11 +222,12 @@ class _Reader:
         if not self.compressor:
             size = int(self._words(_decoded(data, self.word.itemsize), 1)[0])
             whole = _decoded(data, header + min(size, len(data)))
-            return self._unpacked(whole)
+            return self._unpacked(whole, wanted)
         start = -(-header // 3) * 4
         head = _decoded(data[:start], header)
         total = int(self._words(head, header // self.word.itemsize)[3:].sum())
-        return self._unpacked(head + _decoded(data[start:], min(total, len(data))))
+        rest = _decoded(data[start:], min(total, len(data)))
+        return self._unpacked(head + rest, wanted)
 
     def _header_size(self, start: bytes) -> int:
         """Bytes before the data: their size, or the numbers and sizes of blocks."""
@@ -243,7 +249,7 @@ class _Reader:
             raise ValueError(msg)
         return found
 
-    def _unpacked(self, data: bytes) -> bytes:
+    def _unpacked(self, data: bytes, wanted: int) -> bytes:
         header = self._header_size(data)
         numbers = self._words(data, header // self.word.itemsize)
         if not self.compressor:
@@ -253,6 +259,7 @@ class _Reader:
                 raise ValueError(msg)
             return data[header : header + size]
         size, parts, place = int(numbers[1]), [], header
+        found = 0
         for length in numbers[3:].tolist():
             part = data[place : place + length]
             place += length
@@ -261,6 +268,9 @@ class _Reader:
             else:
                 unpacked = lzma.LZMADecompressor().decompress(part, max(size, 1))
             parts.append(unpacked)
+            found += len(unpacked)
+            if found > wanted:
+                break
         return b"".join(parts)
 
 

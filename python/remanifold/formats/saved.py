@@ -19,6 +19,7 @@ from typing import IO, TYPE_CHECKING, Any
 import numpy as np
 
 from remanifold._base.samples import INPUTS
+from remanifold.formats._arrays import archive_array
 from remanifold.formats._mesh import FileMesh, comment_lines, finite_part
 from remanifold.judging.judged import JudgedReconstruction
 from remanifold.judging.quality import Quality, Reason
@@ -256,11 +257,10 @@ class _Unpacked:
 
     def _array(self, name: str) -> NDArray[Any]:
         if name not in self._known:
-            with self._archive.open(f"{name}.npy") as file:
-                try:
-                    array = np.load(file, allow_pickle=False)
-                except ValueError as error:
-                    raise TypeError(*error.args) from error
+            try:
+                array = archive_array(self._archive, f"{name}.npy")
+            except ValueError as error:
+                raise TypeError(*error.args) from error
             array.flags.writeable = False
             self._known[name] = array
         return self._known[name]

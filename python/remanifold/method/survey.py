@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What can be said of samples before they are reconstructed: how they lie, what it takes."""
+"""What can be said of samples before they are reconstructed: how they lie."""
 
 from __future__ import annotations
 
 import contextlib
 import itertools
 import math
-import time
 import warnings
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -17,8 +16,6 @@ from remanifold.method.dimension import DimensionEstimate, estimate_dimension
 from remanifold.method.steps import neighborhoods
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
 
     Floats = NDArray[np.float64]
@@ -42,12 +39,6 @@ _CHAIN = 1.5  # of the spacing, from each sample to the next in the file
 _UNEQUAL = 1e4
 _DEGREES = (360.0, 90.0)  # largest longitude and latitude
 _BESIDE = 20.0  # extent of heights over that of angles
-# Bytes a sample for K = 1, 2, 3 (random samples, measured as the peak of a process), and
-# for each coordinate.
-_BYTES = {1: 160, 2: 290, 3: 3200}
-_BYTES_OF_COORDINATE = 48
-_PATCHES = {1: (1000, 4000), 2: (1000, 4000), 3: (300, 1000), 4: (200,), 5: (100,)}
-_QUICK = 0.25  # seconds, below which a larger patch is tried as well
 
 
 @dataclass(frozen=True)
@@ -205,41 +196,3 @@ def _are_degrees(plane: Floats, low: Floats, high: Floats) -> bool:
     # A region, off the origin: shapes around it are no places.
     region = (high[:2] - low[:2] < 5).all() and (np.abs(plane).min(axis=0) > 1e-3).any()
     return inside and bool(region) and bool((np.trunc(plane) != plane).mean() > 0.9)
-
-
-def expected_bytes(num_samples: int, ambient_dim: int, dim: int) -> int | None:
-    """Memory that a reconstruction of random samples takes; None for K beyond 3."""
-    if dim not in _BYTES:
-        return None
-    return num_samples * (_BYTES[dim] + _BYTES_OF_COORDINATE * ambient_dim)
-
-
-def expected_seconds(
-    points: Floats, dim: int, reconstruct: Callable[[Floats, int], object]
-) -> float | None:
-    """Seconds of one thread, by doing a patch of the samples; None where that says nothing.
-
-    Cost is linear, and a patch has a rim that the whole has not: this is right within a
-    factor of four where the samples are clean, and up to five times too little for the
-    noisiest.
-    """
-    rng = np.random.default_rng(0)
-    center = points[int(rng.integers(len(points)))]
-    far = np.square(points - center).sum(axis=1)
-    rate = None
-    for size in _PATCHES.get(dim, ()):
-        patch = points
-        if size < len(points):
-            patch = points[np.sort(np.argpartition(far, size)[:size])]
-        start = time.perf_counter()
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            try:
-                reconstruct(patch, dim)
-            except ValueError:
-                return rate
-        seconds = time.perf_counter() - start
-        rate = seconds / len(patch) * len(points)
-        if seconds > _QUICK or len(patch) == len(points):
-            break
-    return rate

@@ -16,6 +16,7 @@ from remanifold._base.validation import (
     check_choice,
     check_dim,
     check_num_threads,
+    check_positive,
     check_samples,
 )
 from remanifold.complex.data import ComplexData
@@ -25,6 +26,7 @@ from remanifold.judging.quality import doubts_at_once, looks_like_a_boundary
 from remanifold.method.cleaning import as_points, smoothing_of
 from remanifold.method.dimension import find_dimension, other_dimension
 from remanifold.method.dropping import INVALID, filled, finite_rows, number_as_given
+from remanifold.method.forecast import check_memory
 from remanifold.method.openings import openings_of
 from remanifold.method.options import CHECKS, Options
 from remanifold.method.programs import solve_program
@@ -73,6 +75,7 @@ def reconstruct(
     search: Search = "auto",
     checks: int = CHECKS,
     num_threads: int | None = None,
+    max_memory: float | None = None,
     progress: bool | Callback | None = None,
 ) -> Reconstruction:
     """Reconstruct a K-manifold from its samples.
@@ -132,6 +135,9 @@ def reconstruct(
         Leaves the approximate search visits.
     num_threads : int, optional
         All cores by default. The result does not depend on it.
+    max_memory : float, optional
+        Bytes that may be taken beyond the samples themselves: what `forecast` expects to
+        take more is an error before any work. By default nothing is refused.
     progress : bool or callable, optional
         True for a bar, or a function of (step, done, total).
 
@@ -146,6 +152,8 @@ def reconstruct(
         range; `gram` not positive semidefinite or not Hermitian.
     TypeError
         Not numbers; `dim` not an integer.
+    MemoryError
+        More memory than `max_memory` is to be expected.
 
     Warns
     -----
@@ -202,6 +210,11 @@ def reconstruct(
     if isinstance(dim, str) and dim == "auto":
         found = find_dimension(samples, threads, progress)
         dim = found.dim
+    if max_memory is not None:
+        most = check_positive(max_memory, "max_memory")
+        columns = samples.matrix.shape[1] if isinstance(samples, Points) else 0
+        k = check_dim(dim, samples)
+        check_memory(len(samples), columns, k, most, products=columns == 0)
     rec = reconstruct_samples(
         samples,
         dim,
@@ -337,7 +350,8 @@ def reconstruct_samples(
         vertices=vertices,
         samples=samples.matrix.view() if known else None,
         simplices=result["simplices"],
-        boundary=result["boundary"],
+        # A copy lies where its sample lies, in whose name the simplices are.
+        boundary=result["boundary"][result["representatives"]],
         representatives=result["representatives"],
         outliers=result["cleaning"]["outliers"],
         invalid=invalid,

@@ -20,6 +20,7 @@ from remanifold.drawing.draw_svg import picture
 from remanifold.formats._source import Source
 from remanifold.formats.saved import SUFFIX, read_saved, write_saved
 from remanifold.formats.writing import fitting_fields, write_valid
+from remanifold.judging.invariants import Invariants, check_invariants
 from remanifold.judging.judged import JudgedReconstruction
 from remanifold.method.openings import Opening
 from remanifold.page.report_page import write_report
@@ -180,6 +181,44 @@ class Reconstruction(JudgedReconstruction, SimplicialComplex):
         target = check_saved(path)
         with complete_file(target) as file:
             write_saved(file, self)
+
+    def check(self, *, raise_on_failure: bool = False) -> Invariants:
+        """Count anew what must hold of the result, whatever the samples.
+
+        Not whether it is the right manifold, which `quality` judges, but whether it is
+        what it says it is: simplices, facets and their cofaces, links, orientation, the
+        signs of volumes where K = D, exactly; what `topology`, `repair`, `boundary`,
+        `edges` and `openings` say; that each sample is used, a copy, or left out, once;
+        the digests. With the paper's method also the edge sets, stars and cliques.
+        Nothing of it calls what the result was made with. It takes less time than the
+        reconstruction.
+
+        Parameters
+        ----------
+        raise_on_failure : bool
+            Raise what else is returned.
+
+        Returns
+        -------
+        Invariants
+            All that were looked at, and where they do not hold.
+
+        Raises
+        ------
+        AssertionError
+            With `raise_on_failure`, where one does not hold: a fault of this package.
+
+        Examples
+        --------
+        >>> import remanifold as rm
+        >>> rec = rm.reconstruct(rm.datasets.torus(400, random_state=0), 2)
+        >>> rec.check().ok
+        True
+        """
+        found = check_invariants(self)
+        if raise_on_failure and not found.ok:
+            raise AssertionError(found.answer)
+        return found
 
     def plot_openings(self, screenshot: StrPath | None = None) -> Any:
         """Draw the size of each place in ``openings`` over its evidence.

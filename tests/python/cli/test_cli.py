@@ -11,6 +11,7 @@ import signal
 import subprocess
 import sys
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -618,6 +619,42 @@ def test_unexpected_failures_are_one_line(tori, tmp_path, monkeypatch, error, me
     assert result.stderr.startswith(f"remanifold: error: {message}")
     assert result.stderr.count("\n") == 1
     assert not (tmp_path / "a.ply").exists()
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is full")
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["info", "tori"],
+        ["info", "tori", "--json"],
+        ["convert", "tori", "-", "--format", "csv"],
+        ["--version"],
+        ["--help"],
+    ],
+)
+def test_full_standard_output_is_one_line(tori, words):
+    words = [str(tori) if word == "tori" else word for word in words]
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "remanifold", *words],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+        )
+    assert done.returncode == 1
+    assert done.stderr.startswith("remanifold: error: ")
+    assert done.stderr.endswith("No space left on device\n")
+    assert done.stderr.count("\n") == 1
+
+
+def test_what_a_killed_run_has_left_is_one_line(tori, tmp_path):
+    (tmp_path / ".a.csv-0123456789ab.partial").write_text("half of it")
+    done = run_process("convert", tori, tmp_path / "a.csv")
+    assert done.returncode == 0
+    assert "warning: " in done.stderr
+    assert "has left .a.csv-0123456789ab.partial" in done.stderr
+    assert done.stderr.count("\n") == 1
 
 
 def test_failure_of_the_writer_leaves_nothing(tori, tmp_path, monkeypatch):

@@ -3,6 +3,9 @@
 
 from __future__ import annotations
 
+import inspect
+import time
+
 import numpy as np
 import pytest
 
@@ -672,3 +675,44 @@ def test_counts_must_be_integers():
     with pytest.raises(TypeError, match=r"num_samples must be an integer, got 2\.5"):
         datasets.circle(2.5)
     assert datasets.circle(np.int64(2)).shape == (2, 2)
+
+
+EXTREMES = (
+    *(1e-300, 5e-324, 1e-150, 1e-9, 1 - 1e-12, 1e9, 1e150, 1e300, 1e308),
+    *(np.inf, -np.inf, np.nan, 0.0, -1.0),
+)
+NUMBERS = [
+    (name, parameter.name)
+    for name in datasets.__all__
+    if inspect.isfunction(getattr(datasets, name))
+    for parameter in inspect.signature(getattr(datasets, name)).parameters.values()
+    if isinstance(parameter.default, float)
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "parameter"), NUMBERS)
+def test_whatever_is_asked_for_ends(name, parameter):
+    """With samples that are numbers, or an error that says what is wrong."""
+    generate = getattr(datasets, name)
+    more = {"num_around": 12} if name.startswith("grid") else {}
+    for value in EXTREMES:
+        start = time.process_time()
+        try:
+            points = generate(240, random_state=0, **more, **{parameter: value})
+        except ValueError as error:
+            said = str(error)
+            # Of a share of no samples the number is what is wrong.
+            known = (parameter, "too extreme", "num_samples must be at least 1")
+            assert any(word in said for word in known), (value, said)
+        else:
+            assert np.isfinite(points).all(), value
+        assert time.process_time() - start < 10, value
+
+
+def test_shapes_that_no_sample_hits():
+    for extreme in ({"thickness": 1e-30}, {"spacing_ratio": 1e9}):
+        with pytest.raises(ValueError, match="its parameters are too extreme"):
+            datasets.double_torus(100, random_state=0, **extreme)
+    # Rare ones are drawn.
+    assert len(datasets.double_torus(50, spacing_ratio=40.0, random_state=0)) == 50

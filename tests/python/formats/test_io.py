@@ -4,14 +4,21 @@
 from __future__ import annotations
 
 import os
+import re
+import signal
+import stat
 import struct
+import subprocess
+import sys
 from pathlib import Path
 
 import meshio
 import numpy as np
 import pytest
 
-from remanifold.io import check_output, read_points, write_mesh
+import remanifold as rm
+from remanifold._base.files import complete_file
+from remanifold.io import check_output, read_fields, read_points, write_mesh
 
 # Coordinates without a short decimal form, very large and very small ones.
 POINTS = np.array(
@@ -635,6 +642,88 @@ def test_mode_follows_the_umask(tmp_path):
     finally:
         os.umask(old)
     assert (tmp_path / "a.ply").stat().st_mode & 0o777 == 0o640
+
+
+@pytest.mark.parametrize("mode", [0o600, 0o640, 0o664, 0o444])
+def test_rights_of_the_file_whose_place_is_taken(tmp_path, mode):
+    path = put(tmp_path / "a.ply", "the old one")
+    path.chmod(mode)
+    write_mesh(path, POINTS, TRIANGLES)
+    assert stat.S_IMODE(path.stat().st_mode) == mode
+    np.testing.assert_array_equal(read_points(path), POINTS)
+
+
+def test_nobody_looks_into_an_unfinished_file_who_may_not(tmp_path):
+    path = put(tmp_path / "a.ply", "the old one")
+    path.chmod(0o600)
+    with complete_file(path):
+        (partial,) = {*tmp_path.iterdir()} - {path}
+        assert stat.S_IMODE(partial.stat().st_mode) == 0o600
+
+
+def test_what_is_written_is_on_the_disk_before_it_has_its_name(tmp_path, monkeypatch):
+    done = []
+    sync, replace = os.fsync, Path.replace
+    monkeypatch.setattr(os, "fsync", lambda f: (done.append("sync"), sync(f)))
+    monkeypatch.setattr(
+        Path, "replace", lambda a, b: (done.append("rename"), replace(a, b))
+    )
+    write_mesh(tmp_path / "a.ply", POINTS, TRIANGLES)
+    assert done == ["sync", "rename", "sync"]  # the last one of the folder
+
+
+@pytest.mark.parametrize("letter", ["a", "ä", "点"])
+def test_names_as_long_as_there_are(tmp_path, letter):
+    number = (249 - len(".ply")) // len(letter.encode())
+    path = tmp_path / f"{letter * number}.ply"
+    write_mesh(path, POINTS, TRIANGLES)
+    assert [*tmp_path.iterdir()] == [path]
+
+
+KILLED = """
+import os, signal, sys
+from remanifold._base.files import complete_file
+with complete_file(sys.argv[1]) as file:
+    file.write(b"half of it")
+    file.flush()
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_what_a_killed_run_has_left_is_named(tmp_path):
+    path = put(tmp_path / "a[1].ply", "the old one")
+    done = subprocess.run([sys.executable, "-c", KILLED, path], check=False)
+    assert done.returncode == -signal.SIGKILL
+    assert path.read_text() == "the old one"
+    (left,) = {*tmp_path.iterdir()} - {path}
+    write_mesh(tmp_path / "b.ply", POINTS, TRIANGLES)  # no concern of this one
+    with pytest.warns(rm.FileWarning, match=re.escape(f"has left {left.name}")):
+        write_mesh(path, POINTS, TRIANGLES)
+    np.testing.assert_array_equal(read_points(path), POINTS)
+    left.unlink()
+    write_mesh(path, POINTS, TRIANGLES)
+
+
+def test_what_another_run_is_writing_is_not_left_over(tmp_path):
+    with complete_file(tmp_path / "a.ply") as file:
+        file.write(b"slowly")
+        write_mesh(tmp_path / "a.ply", POINTS, TRIANGLES)  # would warn
+    assert (tmp_path / "a.ply").read_bytes() == b"slowly"
+
+
+@pytest.mark.parametrize("name", ["allow_pickle", "file", "mmap_mode", "args", "kwds"])
+def test_fields_are_called_as_one_likes(tmp_path, name):
+    values = np.arange(5)
+    write_mesh(tmp_path / "a.npz", POINTS, TRIANGLES, fields={name: values})
+    np.testing.assert_array_equal(read_fields(tmp_path / "a.npz")[name], values)
+
+
+def test_objects_are_not_unpickled(tmp_path):
+    for name in ("a.npy", "a.npz"):
+        save = np.save if name == "a.npy" else np.savez
+        save(tmp_path / name, np.array([[{}, 1]], dtype=object))
+        with pytest.raises(ValueError, match="allow_pickle=False"):
+            read_points(tmp_path / name)
 
 
 def test_vertices_of_any_layout(tmp_path):

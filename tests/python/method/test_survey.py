@@ -8,8 +8,6 @@ import pytest
 
 import remanifold as rm
 from remanifold.method.survey import (
-    expected_bytes,
-    expected_seconds,
     structure,
     survey,
     suspicious_units,
@@ -101,33 +99,3 @@ def test_few_samples():
     for count in (1, 2, 5, 9):
         assert survey(TORUS[:count]).estimate is None
     assert survey(TORUS[:30]).estimate.dim in (1, 2, 3)
-
-
-def test_expected_memory_grows_with_samples_and_coordinates():
-    assert expected_bytes(10**6, 3, 2) == 10**6 * (290 + 48 * 3)
-    assert expected_bytes(1000, 9, 3) > expected_bytes(1000, 9, 2)
-    assert expected_bytes(1000, 9, 4) is None
-
-
-def test_expected_time_is_linear_in_the_samples_and_asks_for_a_patch_only():
-    sizes = []
-
-    def reconstruct(points, dim):
-        sizes.append((len(points), dim))
-
-    points = rm.datasets.torus(50_000, random_state=0)
-    assert expected_seconds(points, 2, reconstruct) >= 0
-    assert sizes == [(1000, 2), (4000, 2)]
-    assert expected_seconds(points, 9, reconstruct) is None
-    seconds = expected_seconds(
-        points, 2, lambda patch, dim: rm.reconstruct(patch, dim, num_threads=1)
-    )
-    assert 0.01 < seconds < 300
-
-
-def test_a_patch_that_cannot_be_reconstructed():
-    def reconstruct(*_):
-        msg = "too few"
-        raise ValueError(msg)
-
-    assert expected_seconds(TORUS, 2, reconstruct) is None
