@@ -14,7 +14,8 @@ from remanifold._base.html import fragment
 from remanifold._base.read_only import ReadOnlyArrays
 from remanifold._base.text import one_line
 from remanifold._base.validation import check_cells, check_points
-from remanifold.complex import geodesics, normals, parts, projection
+from remanifold.calculus import geodesics
+from remanifold.complex import normals, parts, projection
 from remanifold.complex.data import ComplexData
 from remanifold.complex.graphs import edge_graph
 from remanifold.complex.topology import simplex_names
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
 
     from remanifold._base.files import StrPath
     from remanifold._base.progress import Callback
-    from remanifold.complex.geodesics import GeodesicMethod
+    from remanifold.calculus.geodesics import GeodesicMethod
     from remanifold.complex.parts import Part
     from remanifold.complex.projection import PointsOnComplex, Projection, RandomState
 

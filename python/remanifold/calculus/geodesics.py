@@ -4,23 +4,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
+from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
 
 import numpy as np
 
 from remanifold._base.validation import check_choice, check_index_array
+from remanifold.calculus.operators import Operators
+from remanifold.calculus.solving import factorized
 from remanifold.complex import parts
 from remanifold.complex.data import ComplexData
 from remanifold.complex.graphs import edge_graph, edge_lengths
-from remanifold.complex.projection import edge_triangles, simplex_volumes
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 GeodesicMethod: TypeAlias = Literal["auto", "graph", "heat", "exact"]
 METHODS: tuple[str, ...] = get_args(GeodesicMethod)
-# Smallest singular value of a simplex that has gradients, over its largest.
-_FLAT = 1e-10
 _Solver: TypeAlias = Callable[[int], "NDArray[np.float64]"]
 
 
@@ -150,47 +149,34 @@ def _exact(part: ComplexData) -> _Solver:
 def _heat(part: ComplexData) -> _Solver:
     """Heat method of Crane, Weischedel and Wardetzky on linear elements, for any K, D."""
     try:
-        from scipy.sparse import csc_matrix, diags
-        from scipy.sparse.linalg import splu
+        from scipy.sparse import diags
     except ImportError as error:
         msg = "the heat method needs SciPy: pip install remanifold[geodesic]"
         raise ImportError(msg) from error
-    cells, count = part.simplices, part.num_vertices
-    gradients, volumes = _gradients(part)
-    stiffness_of = np.einsum("m,mik,mjk->mij", volumes, gradients, gradients)
-    arity = cells.shape[1]
-    rows = np.repeat(cells, arity, axis=1).ravel()
-    columns = np.tile(cells, (1, arity)).ravel()
-    stiffness = csc_matrix((stiffness_of.ravel(), (rows, columns)), (count, count))
-    mass = np.bincount(
-        cells.ravel(), np.repeat(volumes / arity, arity), minlength=count
-    )
-    time = float(np.mean(edge_lengths(part))) ** 2
-    try:
-        flow = splu((diags(mass) + time * stiffness).tocsc())
-        # Up to a constant: the first vertex stays at zero.
-        potential = splu(stiffness[1:, 1:].tocsc()) if count > 1 else None
-    except RuntimeError as error:
+    operators = Operators(part)
+    count = part.num_vertices
+    if not operators.used.all() or operators.labels.max() > 0:
         msg = (
             "the heat method has no solution: a vertex is in simplices without volume "
-            'only; use method="graph"'
+            'only, or only these connect it; use method="graph"'
         )
-        raise ValueError(msg) from error
+        raise ValueError(msg)
+    stiffness = operators.stiffness
+    time = float(np.mean(edge_lengths(part))) ** 2
+    flow = factorized(diags(operators.volumes) + time * stiffness)
+    # Up to a constant: the first vertex stays at zero.
+    potential = factorized(stiffness[1:, 1:])
 
     def solve(source: int) -> NDArray[np.float64]:
         start = np.zeros(count)
         start[source] = 1.0
-        heat: NDArray[np.float64] = flow.solve(start)
-        slopes = -np.einsum("mi,mik->mk", heat[cells], gradients)
+        slopes = -operators.frame_gradients(flow(start))
         # Far away heat is too small to be squared.
         slopes /= np.maximum(np.abs(slopes).max(axis=1, keepdims=True), 1e-300)
         lengths = np.linalg.norm(slopes, axis=1, keepdims=True)
         slopes /= np.where(lengths > 0, lengths, 1.0)
-        sums = volumes[:, None] * np.einsum("mik,mk->mi", gradients, slopes)
-        divergence = np.bincount(cells.ravel(), sums.ravel(), minlength=count)
         away = np.zeros(count)
-        if potential is not None:
-            away[1:] = potential.solve(divergence[1:])
+        away[1:] = potential(operators.weak_divergence(slopes)[1:])
         return _from_source(away, source)
 
     return solve
@@ -200,16 +186,3 @@ def _from_source(potential: NDArray[np.float64], source: int) -> NDArray[np.floa
     """Turn a potential into distances."""
     distances: NDArray[np.float64] = np.maximum(potential - potential[source], 0.0)
     return distances
-
-
-def _gradients(
-    part: ComplexData,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Gradients of the barycentric coordinates, (M, K+1, K), and volumes."""
-    size, dim = len(part.simplices), part.dim
-    gradients = np.zeros((size, dim + 1, dim))
-    for rows, triangles in edge_triangles(part):
-        dual: Any = np.linalg.pinv(triangles, rcond=_FLAT)
-        gradients[rows, 1:, : triangles.shape[1]] = dual
-    gradients[:, 0] = -gradients[:, 1:].sum(axis=1)
-    return gradients, simplex_volumes(part)
