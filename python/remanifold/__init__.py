@@ -18,6 +18,8 @@ except ImportError as error:
     raise ImportError(_HINT) from error
 
 from remanifold import datasets, interoperability, io
+from remanifold.calculus.calculus import Calculus
+from remanifold.calculus.poisson import PoissonSolution
 from remanifold.complex.embedding import Embedding, embed
 from remanifold.complex.graphs import edge_graph
 from remanifold.complex.projection import PointsOnComplex, Projection
@@ -60,6 +62,7 @@ from remanifold.warnings import (
 __version__: str = _core.__version__
 
 __all__ = [
+    "Calculus",
     "DimensionEstimate",
     "DimensionWarning",
     "DoubtWarning",
@@ -75,6 +78,7 @@ __all__ = [
     "Parameters",
     "Place",
     "PointsOnComplex",
+    "PoissonSolution",
     "Projection",
     "Provenance",
     "Quality",

@@ -15,6 +15,7 @@ from remanifold._base.read_only import ReadOnlyArrays
 from remanifold._base.text import one_line
 from remanifold._base.validation import check_cells, check_points
 from remanifold.calculus import geodesics
+from remanifold.calculus.calculus import Calculus
 from remanifold.complex import normals, parts, projection
 from remanifold.complex.data import ComplexData
 from remanifold.complex.graphs import edge_graph
@@ -353,6 +354,14 @@ class SimplicialComplex(ComplexData):
         """
         return float(self.simplex_volumes.sum())
 
+    @functools.cached_property
+    def calculus(self) -> Calculus[SimplicialComplex]:
+        """Functions on the complex, its spectrum, paths and curvature; see `Calculus`.
+
+        Made when first asked for, and kept with the factorizations that it needs.
+        """
+        return Calculus(self, _complex_of)
+
     def geodesic_distances(
         self, sources: ArrayLike, method: GeodesicMethod = "auto"
     ) -> NDArray[np.float64]:
@@ -465,3 +474,11 @@ def _as_complex(part: Part) -> Subcomplex:
         vertex_attributes=part.vertex_attributes,
         _products=part._products,
     )
+
+
+def _complex_of(
+    vertices: NDArray[np.float64],
+    simplices: NDArray[np.int32],
+    attributes: dict[str, NDArray[Any]],
+) -> SimplicialComplex:
+    return SimplicialComplex(vertices, simplices, vertex_attributes=attributes)

@@ -1,0 +1,430 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""All that can be computed of functions on a complex, as methods of one object."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+
+import numpy as np
+
+from remanifold._base.text import one_line
+from remanifold._base.validation import (
+    check_int,
+    check_selection,
+    check_values,
+)
+from remanifold.calculus.operators import Operators
+from remanifold.calculus.poisson import PoissonSolution, solve_poisson
+from remanifold.complex.data import ComplexData
+from remanifold.complex.parts import open_faces
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    Floats = NDArray[np.float64]
+
+C = TypeVar("C", bound=ComplexData)
+
+
+class Calculus(Generic[C]):
+    """Functions on a complex and its geometry; `SimplicialComplex.calculus` has one.
+
+    Everything follows from the lengths of the edges, unless a method says that it needs
+    coordinates: it works for any K, any number of coordinates, and for complexes known
+    by inner products or distances. Functions are linear on each simplex and given by
+    their values at the N vertices. Matrices and factorizations are made when first
+    needed.
+
+    Where the complex is no manifold (`singular_vertices`) functions are still defined,
+    and equations hold in the weak sense. Vertices in no simplex, or in flat ones only,
+    are `missing_vertices`: values there are ignored, and those of results are NaN.
+
+    Needs ``pip install remanifold[calculus]``.
+    """
+
+    def __init__(
+        self,
+        complex: ComplexData,
+        make: Callable[[Floats, NDArray[np.int32], dict[str, NDArray[Any]]], C],
+    ) -> None:
+        if complex.dim < 1 or len(complex.simplices) == 0:
+            msg = (
+                f"the complex has {len(complex.simplices)} simplices of dimension "
+                f"{complex.dim}: calculus needs edges at least"
+            )
+            raise ValueError(msg)
+        self._complex = complex
+        self._make = make
+        self._operators = Operators(complex)
+
+    def __repr__(self) -> str:
+        return one_line(
+            self, vertices=self._complex.num_vertices, dim=self._complex.dim
+        )
+
+    # ------------------------------------------------------------ what it stands on
+
+    @property
+    def missing_vertices(self) -> NDArray[np.int64]:
+        """Vertices where functions have no values, ascending: in no simplex with volume."""
+        return np.flatnonzero(~self._operators.used)
+
+    @property
+    def flat_simplices(self) -> NDArray[np.int64]:
+        """Rows of simplices that are left out.
+
+        They have no volume, up to rounding, or distances that no simplex in space has.
+        """
+        return np.flatnonzero(self._operators.elements.flat)
+
+    @property
+    def singular_vertices(self) -> NDArray[np.int32]:
+        """Vertices around which the complex is no manifold; see `Topology`."""
+        return self._complex.topology().singular_vertices
+
+    @property
+    def boundary_vertices(self) -> NDArray[np.int64]:
+        """Vertices of the faces that lie in one simplex only, ascending."""
+        return np.unique(open_faces(self._complex.simplices)).astype(np.int64)
+
+    @property
+    def vertex_volumes(self) -> Floats:
+        """Share of each vertex in the K-volume, (N,): the lumped mass."""
+        return self._operators.volumes.copy()
+
+    def mass(self, *, lumped: bool = False) -> Any:
+        """Mass matrix: integrals of products of the hat functions.
+
+        Parameters
+        ----------
+        lumped : bool
+            The sums of its rows on the diagonal, which are `vertex_volumes`.
+
+        Returns
+        -------
+        scipy.sparse.csr_array, shape (N, N), float64
+            Symmetric, in units of K-volume. ``u @ mass() @ v`` is the integral of the
+            product of two functions.
+        """
+        if not lumped:
+            return self._operators.mass.copy()
+        from scipy import sparse
+
+        return sparse.csr_array(sparse.diags(self._operators.volumes))
+
+    def stiffness(self) -> Any:
+        """Stiffness matrix: integrals of products of gradients of the hat functions.
+
+        Returns
+        -------
+        scipy.sparse.csr_array, shape (N, N), float64
+            Symmetric, not negative; its kernel are the functions that are constant on
+            each component. For K = 2 its entries are the cotangent weights.
+
+        References
+        ----------
+        U. Pinkall, K. Polthier, Computing discrete minimal surfaces and their
+        conjugates, Experimental Mathematics 2(1), 1993.
+        """
+        return self._operators.stiffness.copy()
+
+    # -------------------------------------------------------------- differential forms
+
+    def faces(self, degree: int) -> NDArray[np.int32]:
+        """Simplices of a dimension: what forms of this degree have values on.
+
+        Parameters
+        ----------
+        degree : int
+            k, from 0 to K.
+
+        Returns
+        -------
+        ndarray, shape (M_k, k+1), int32
+            As in `interoperability.to_scipy`: all vertices, below K sorted and oriented
+            by ascending vertices, in K the simplices as they are.
+        """
+        return self._operators.faces(self._check_degree(degree, 0)).copy()
+
+    def exterior_derivative(self, degree: int) -> Any:
+        """Exterior derivative of k-forms: the transpose of the boundary operator.
+
+        Parameters
+        ----------
+        degree : int
+            k, from 0 to K - 1.
+
+        Returns
+        -------
+        scipy.sparse.csr_array, shape (M_{k+1}, M_k), int8
+        """
+        return self._operators.derivative(self._check_degree(degree, 0, -1))
+
+    def hodge_star(self, degree: int, *, diagonal: bool = False) -> Any:
+        """Hodge star of k-forms as a matrix: the inner products of Whitney forms.
+
+        Parameters
+        ----------
+        degree : int
+            k, from 0 to K.
+        diagonal : bool
+            Instead the K-k-volumes of the circumcentric duals over the k-volumes of the
+            faces. It is diagonal, but entries may be zero or negative where simplices do
+            not contain their circumcenters.
+
+        Returns
+        -------
+        scipy.sparse.csr_array, shape (M_k, M_k), float64
+            Symmetric; of Whitney forms positive definite, but for faces of flat
+            simplices only, whose rows are zero. For k = 0 it is `mass`.
+
+        References
+        ----------
+        H. Whitney, Geometric Integration Theory, Princeton University Press, 1957.
+
+        M. Desbrun, A. N. Hirani, M. Leok, J. E. Marsden, Discrete exterior calculus,
+        arXiv:math/0508341, 2005.
+        """
+        return self._operators.star(
+            self._check_degree(degree, 0), diagonal=bool(diagonal)
+        ).copy()
+
+    def codifferential(self, degree: int, form: ArrayLike) -> Floats:
+        """Codifferential of a k-form: the adjoint of the exterior derivative.
+
+        Parameters
+        ----------
+        degree : int
+            k, from 1 to K.
+        form : array_like, shape (M_k,)
+            Values on the faces of dimension k: integrals over them.
+
+        Returns
+        -------
+        ndarray, shape (M_{k-1},), float64
+            A (k-1)-form; at the boundary in the weak sense, as if the normal part of the
+            form vanished there.
+        """
+        degree = self._check_degree(degree, 1)
+        values = self._check_form(form, degree)
+        operators = self._operators
+        right = operators.derivative(degree - 1).T @ (operators.star(degree) @ values)
+        return operators.star_solver(degree - 1)(right)
+
+    def hodge_laplacian(self, degree: int, form: ArrayLike) -> Floats:
+        """Hodge Laplacian of a k-form: d of the codifferential and the reverse.
+
+        Parameters
+        ----------
+        degree : int
+            k, from 0 to K.
+        form : array_like, shape (M_k,)
+            Values on the faces of dimension k.
+
+        Returns
+        -------
+        ndarray, shape (M_k,), float64
+            A k-form, not negative as an operator: for k = 0 minus `laplacian`, by the
+            full mass.
+        """
+        degree = self._check_degree(degree, 0)
+        values = self._check_form(form, degree)
+        operators = self._operators
+        total = np.zeros_like(values)
+        if degree < self._complex.dim:
+            step = operators.derivative(degree)
+            right = step.T @ (operators.star(degree + 1) @ (step @ values))
+            total += operators.star_solver(degree)(right)
+        if degree > 0:
+            total += operators.derivative(degree - 1) @ self.codifferential(
+                degree, values
+            )
+        return total
+
+    # ------------------------------------------------------------------- functions
+
+    def integrate(self, values: ArrayLike) -> Any:
+        """Integral of a function over the complex.
+
+        Parameters
+        ----------
+        values : array_like, shape (N,) or (N, C)
+            At the vertices.
+
+        Returns
+        -------
+        float, or ndarray of shape (C,), float64
+            In units of the values times K-volume; exact for functions that are linear
+            on each simplex.
+        """
+        table = self._check_function(values, "values")
+        total = self._operators.volumes @ table
+        return float(total) if table.ndim == 1 else total
+
+    def gradient(self, values: ArrayLike, *, intrinsic: bool = False) -> Floats:
+        """Gradient of a function on each simplex, where it is constant.
+
+        Parameters
+        ----------
+        values : array_like, shape (N,)
+            At the vertices.
+        intrinsic : bool
+            In an orthonormal frame of each simplex instead of coordinates: its first
+            axis is the first edge, and each edge from the first vertex adds one.
+
+        Returns
+        -------
+        ndarray, shape (M, D) or (M, K), float64
+            In coordinates (`ComplexData.coordinates` where only products or distances
+            are known), or in the frames. Zero on `flat_simplices`.
+        """
+        table = self._check_function(values, "values", ndim=1)
+        within = self._operators.frame_gradients(table)
+        if intrinsic:
+            return within
+        axes = self._operators.ambient_frames()
+        return np.asarray(np.einsum("mk,mkd->md", within, axes))
+
+    def divergence(self, vectors: ArrayLike, *, intrinsic: bool = False) -> Floats:
+        """Divergence of vectors that are constant on each simplex, at the vertices.
+
+        Parameters
+        ----------
+        vectors : array_like, shape (M, D) or (M, K)
+            As `gradient` has them; what is orthogonal to a simplex does not count.
+        intrinsic : bool
+            In the frames of the simplices.
+
+        Returns
+        -------
+        ndarray, shape (N,), float64
+            The mean around each vertex, by its share in the volume; NaN at
+            `missing_vertices`. At the boundary what flows out counts as well.
+        """
+        operators = self._operators
+        columns = self._complex.dim
+        if not intrinsic:
+            columns = self._complex.coordinates.shape[1]
+        table = check_values(vectors, "vectors", len(self._complex.simplices), ndim=2)
+        if table.ndim != 2 or table.shape[1] != columns:
+            msg = (
+                f"vectors has shape {table.shape}, expected "
+                f"({len(self._complex.simplices)}, {columns})"
+            )
+            raise ValueError(msg)
+        if not intrinsic:
+            table = np.einsum("md,mkd->mk", table, operators.ambient_frames())
+        return self._over_volumes(-operators.weak_divergence(table))
+
+    def laplacian(self, values: ArrayLike) -> Floats:
+        """Laplacian of a function: the divergence of its gradient, never positive.
+
+        Parameters
+        ----------
+        values : array_like, shape (N,) or (N, C)
+            At the vertices.
+
+        Returns
+        -------
+        ndarray, shape (N,) or (N, C), float64
+            The mean around each vertex, by its share in the volume; NaN at
+            `missing_vertices`. At the boundary the slope across it counts as well.
+            Means of values over random simplices scatter: `poisson` and `spectrum`
+            converge where this does not.
+        """
+        table = self._check_function(values, "values")
+        return self._over_volumes(-(self._operators.stiffness @ table))
+
+    def poisson(
+        self,
+        source: ArrayLike,
+        fixed: ArrayLike | None = None,
+        values: ArrayLike = 0.0,
+    ) -> PoissonSolution:
+        """Find the function whose Laplacian is given.
+
+        Parameters
+        ----------
+        source : array_like, shape (N,) or (N, C)
+            The Laplacian, at the vertices; zero for harmonic functions.
+        fixed : array_like of bool, shape (N,), or of int, shape (F,), optional
+            Vertices where the function is known, such as `boundary_vertices`. By
+            default none. Everywhere else on the boundary the slope across it is zero.
+        values : float, or array_like of shape (F,) or (F, C)
+            The function there, in ascending order of a mask or in that of `fixed`.
+
+        Returns
+        -------
+        PoissonSolution
+            Components are solved by themselves. Where nothing is fixed the function has
+            mean zero, and the mean of the source, its `imbalance`, is taken off.
+
+        Raises
+        ------
+        ValueError
+            Wrong shape, not finite, or a fixed vertex that is missing.
+
+        Examples
+        --------
+        >>> import remanifold as rm
+        >>> path = rm.SimplicialComplex([[0], [1], [3], [4]], [[0, 1], [1, 2], [2, 3]])
+        >>> found = path.calculus.poisson([0, 0, 0, 0], fixed=[0, 3], values=[0, 8])
+        >>> found.values.round(12).tolist()
+        [0.0, 2.0, 6.0, 8.0]
+        """
+        table = self._check_function(source, "source")
+        chosen = self._check_vertices(fixed, "fixed")
+        shape = (len(chosen), *table.shape[1:])
+        known = np.asarray(values)
+        if known.ndim == 0:
+            known = np.full(shape, known)
+        known = check_values(known, "values", len(chosen)) if len(chosen) else known
+        if known.shape != shape:
+            msg = f"values has shape {known.shape}, expected {shape} or a number"
+            raise ValueError(msg)
+        return solve_poisson(self._operators, table, chosen, known)
+
+    # ---------------------------------------------------------------------- checks
+
+    def _check_degree(self, degree: Any, least: int, less: int = 0) -> int:
+        most = self._complex.dim + less
+        number = check_int(degree, "degree", minimum=least)
+        if number > most:
+            msg = f"degree is {number}, expected {least} to {most}"
+            raise ValueError(msg)
+        return number
+
+    def _check_form(self, form: ArrayLike, degree: int) -> Floats:
+        return check_values(form, "form", len(self._operators.faces(degree)), ndim=1)
+
+    def _check_function(
+        self, values: ArrayLike, name: str, ndim: int | None = None
+    ) -> Floats:
+        """Finite where functions have values, zero elsewhere."""
+        table = np.asarray(values)
+        used = self._operators.used
+        if table.shape[:1] == used.shape and not used.all():
+            table = np.where(used.reshape(-1, *(1,) * (table.ndim - 1)), table, 0)
+        return check_values(table, name, self._complex.num_vertices, ndim=ndim)
+
+    def _check_vertices(
+        self, vertices: ArrayLike | None, name: str
+    ) -> NDArray[np.int64]:
+        if vertices is None:
+            return np.empty(0, dtype=np.int64)
+        chosen = check_selection(vertices, name, self._complex.num_vertices)
+        missing = ~self._operators.used[chosen]
+        if missing.any():
+            place = int(missing.argmax())
+            msg = (
+                f"{name}[{place}] is vertex {chosen[place]}, which is in no simplex "
+                "with volume: see missing_vertices"
+            )
+            raise ValueError(msg)
+        return chosen
+
+    def _over_volumes(self, sums: Floats) -> Floats:
+        volumes = self._operators.volumes.reshape(-1, *(1,) * (sums.ndim - 1))
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return np.where(volumes > 0, sums / volumes, np.nan)
