@@ -20,6 +20,7 @@ except ImportError as error:
 from remanifold import datasets, interoperability, io
 from remanifold.calculus.calculus import Calculus
 from remanifold.calculus.poisson import PoissonSolution
+from remanifold.calculus.spectrum import Spectrum
 from remanifold.complex.embedding import Embedding, embed
 from remanifold.complex.graphs import edge_graph
 from remanifold.complex.projection import PointsOnComplex, Projection
@@ -90,6 +91,7 @@ __all__ = [
     "SimplicialComplex",
     "Singularities",
     "Smoothing",
+    "Spectrum",
     "Stars",
     "Subcomplex",
     "TangentSpaces",

@@ -16,6 +16,7 @@ from remanifold._base.validation import (
 )
 from remanifold.calculus.operators import Operators
 from remanifold.calculus.poisson import PoissonSolution, solve_poisson
+from remanifold.calculus.spectrum import Spectrum, compute_spectrum
 from remanifold.complex.data import ComplexData
 from remanifold.complex.parts import open_faces
 
@@ -384,6 +385,54 @@ class Calculus(Generic[C]):
             msg = f"values has shape {known.shape}, expected {shape} or a number"
             raise ValueError(msg)
         return solve_poisson(self._operators, table, chosen, known)
+
+    # -------------------------------------------------------------------- spectrum
+
+    def spectrum(
+        self, count: int, fixed: ArrayLike | None = None, *, lumped: bool = True
+    ) -> Spectrum:
+        """Eigenfunctions of the Laplacian of smallest eigenvalues.
+
+        Parameters
+        ----------
+        count : int
+            How many, constant functions included.
+        fixed : array_like of bool, shape (N,), or of int, shape (F,), optional
+            Vertices where the functions are zero, such as `boundary_vertices`. By
+            default none: the slope across the boundary is zero.
+        lumped : bool
+            By the lumped mass matrix, the default: its eigenvalues are a little too
+            small as a rule, those of the full one too large, and three to ten times
+            farther off.
+
+        Returns
+        -------
+        Spectrum
+            Components are solved by themselves, by ARPACK about a shift below zero.
+
+        Raises
+        ------
+        ValueError
+            More than there are vertices.
+
+        References
+        ----------
+        R. B. Lehoucq, D. C. Sorensen, C. Yang, ARPACK users' guide, SIAM, 1998.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import remanifold as rm
+        >>> angles = np.linspace(0, 2 * np.pi, 200, endpoint=False)
+        >>> circle = rm.reconstruct(np.stack([np.cos(angles), np.sin(angles)], 1), 1)
+        >>> circle.calculus.spectrum(5).eigenvalues.round(2).tolist()
+        [0.0, 1.0, 1.0, 4.0, 4.0]
+        """
+        number = check_int(count, "count", minimum=1)
+        chosen = self._check_vertices(fixed, "fixed")
+        return compute_spectrum(
+            self._operators, number, chosen, lumped=bool(lumped)
+        )
 
     # ---------------------------------------------------------------------- checks
 
