@@ -19,7 +19,9 @@ except ImportError as error:
 
 from remanifold import datasets, interoperability, io
 from remanifold.calculus.calculus import Calculus
+from remanifold.calculus.cohomology import CircularCoordinates
 from remanifold.calculus.poisson import PoissonSolution
+from remanifold.calculus.regression import Regression
 from remanifold.calculus.spectrum import Spectrum
 from remanifold.complex.embedding import Embedding, embed
 from remanifold.complex.graphs import edge_graph
@@ -64,6 +66,7 @@ __version__: str = _core.__version__
 
 __all__ = [
     "Calculus",
+    "CircularCoordinates",
     "DimensionEstimate",
     "DimensionWarning",
     "DoubtWarning",
@@ -86,6 +89,7 @@ __all__ = [
     "Reason",
     "RecallWarning",
     "Reconstruction",
+    "Regression",
     "RemanifoldWarning",
     "Repair",
     "SimplicialComplex",

@@ -4,18 +4,36 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
 
 import numpy as np
 
 from remanifold._base.text import one_line
 from remanifold._base.validation import (
+    check_choice,
     check_int,
+    check_positive,
     check_selection,
     check_values,
 )
+from remanifold.calculus.cohomology import (
+    CircularCoordinates,
+    circular_coordinates,
+    harmonic_forms,
+)
+from remanifold.calculus.level_sets import level_set
 from remanifold.calculus.operators import Operators
-from remanifold.calculus.poisson import PoissonSolution, solve_poisson
+from remanifold.calculus.poisson import (
+    PoissonSolution,
+    free_components,
+    solve_poisson,
+)
+from remanifold.calculus.regression import (
+    Regression,
+    default_order,
+    fit_exactly,
+    fit_smooth,
+)
 from remanifold.calculus.spectrum import Spectrum, compute_spectrum
 from remanifold.complex.data import ComplexData
 from remanifold.complex.parts import open_faces
@@ -433,6 +451,204 @@ class Calculus(Generic[C]):
         return compute_spectrum(
             self._operators, number, chosen, lumped=bool(lumped)
         )
+
+    # --------------------------------------------------------- functions from values
+
+    def fit(
+        self,
+        values: ArrayLike,
+        vertices: ArrayLike | None = None,
+        *,
+        weights: ArrayLike | None = None,
+        penalty: float | Literal["gcv"] = "gcv",
+        order: int | None = None,
+    ) -> Regression:
+        """Smooth function near values at some vertices, or through them.
+
+        Parameters
+        ----------
+        values : array_like, shape (Q,) or (Q, C)
+            What was measured.
+        vertices : array_like of bool, shape (N,), or of int, shape (Q,), optional
+            Where, by default at all vertices; those of `missing_vertices` do not count.
+        weights : array_like, shape (Q,), optional
+            Of the squared residuals, positive: inverse variances of the values, up to a
+            factor. All 1 by default.
+        penalty : float or "gcv"
+            Weight of the roughness beside the squared residuals. "gcv": that of the
+            least generalized cross-validation, the same for all columns. 0: the
+            smoothest function that has the values.
+        order : int, optional
+            Roughness is the integral of the square of the gradient (1), of the Laplacian
+            (2), or of further derivatives. By default the least for which values at
+            points make sense: 2 up to K = 3, then more than K / 2.
+
+        Returns
+        -------
+        Regression
+            The function at all vertices, its noise, and on request its standard errors.
+
+        Raises
+        ------
+        ValueError
+            Wrong shape, not finite, a vertex that is missing, or a component without
+            values.
+
+        Notes
+        -----
+        For more than 32 values the trace in the cross-validation is estimated by 32
+        random vectors, the same each time. At the boundary the slope across it is
+        taken to be small.
+
+        References
+        ----------
+        P. Craven, G. Wahba, Smoothing noisy data with spline functions, Numerische
+        Mathematik 31, 1979.
+
+        F. Lindgren, H. Rue, J. Lindström, An explicit link between Gaussian fields and
+        Gaussian Markov random fields: the stochastic partial differential equation
+        approach, Journal of the Royal Statistical Society B 73(4), 2011.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import remanifold as rm
+        >>> points = rm.datasets.sphere(500, random_state=0)
+        >>> noisy = points[:, 2] + 0.3 * np.random.default_rng(0).normal(size=500)
+        >>> found = rm.reconstruct(points, 2).calculus.fit(noisy)
+        >>> print(np.abs(found.values - points[:, 2]).mean() < 0.05)
+        True
+        """
+        used = self._operators.used
+        count = self._complex.num_vertices
+        if vertices is None:
+            table = self._check_function(values, "values")
+            chosen = np.flatnonzero(used)
+            rows = chosen
+        else:
+            chosen = self._check_vertices(vertices, "vertices")
+            table = check_values(values, "values", len(chosen))
+            rows = np.arange(len(chosen))
+        heights = np.ones(len(table))
+        if weights is not None:
+            heights = check_values(weights, "weights", len(table), ndim=1)
+            if not (heights > 0).all():
+                place = int((heights <= 0).argmax())
+                msg = f"weights[{place}] is {heights[place]}, expected more than 0"
+                raise ValueError(msg)
+        power = default_order(self._complex.dim)
+        if order is not None:
+            power = check_int(order, "order", minimum=1)
+        lacking = free_components(self._operators, chosen)
+        if lacking.any():
+            label = int(lacking.argmax())
+            first = int(np.flatnonzero(self._operators.labels == label)[0])
+            msg = (
+                f"no value is given in the component of vertex {first}: fit components "
+                "with values by themselves, as subset() has them"
+            )
+            raise ValueError(msg)
+        if isinstance(penalty, str):
+            check_choice(penalty, "penalty", ("gcv",))
+            wanted = None
+        elif penalty == 0 and not isinstance(penalty, bool):
+            return fit_exactly(self._operators, chosen, table[rows], power)
+        else:
+            wanted = check_positive(penalty, "penalty")
+        if wanted is None and len(chosen) < 3:
+            msg = (
+                f"{len(chosen)} of {count} vertices have values: cross-validation needs "
+                "three at least, give penalty= a number"
+            )
+            raise ValueError(msg)
+        return fit_smooth(
+            self._operators, chosen, table[rows], heights[rows], wanted, power
+        )
+
+    def level_set(self, values: ArrayLike, level: float = 0.0) -> C:
+        """Where a function has a value: points, polylines, triangles, for any K.
+
+        Parameters
+        ----------
+        values : array_like, shape (N,)
+            At the vertices; simplices with `missing_vertices` count as well.
+        level : float
+            The value.
+
+        Returns
+        -------
+        SimplicialComplex
+            Of dimension K - 1, in the coordinates of the complex. On an oriented complex it is oriented as the
+            boundary of what lies below. Its `vertex_attributes` say where its vertices
+            are: ``edge`` their two vertices here, ``share`` how far along.
+
+        Raises
+        ------
+        ValueError
+            Wrong shape, not finite, or a level that is taken nowhere.
+
+        Notes
+        -----
+        Values equal to the level count as above it. Where they are taken at vertices
+        the set may be no manifold there; a level beside it cuts edges only.
+        """
+        table = check_values(values, "values", self._complex.num_vertices, ndim=1)
+        height = float(check_values([level], "level", 1)[0])
+        found = level_set(self._complex.simplices, table, height)
+        if len(found.simplices) == 0:
+            own = table[np.unique(self._complex.simplices)]
+            msg = (
+                f"level is {height}, but values are from {own.min():.6g} to "
+                f"{own.max():.6g}: it is taken nowhere, or in single points only"
+            )
+            raise ValueError(msg)
+        coordinates = self._complex.coordinates
+        start, end = coordinates[found.edges[:, 0]], coordinates[found.edges[:, 1]]
+        points = start + found.shares[:, None] * (end - start)
+        attributes = {"edge": found.edges, "share": found.shares}
+        return self._make(points, found.simplices, attributes)
+
+    def harmonic_forms(self, degree: int) -> Floats:
+        """Forms without derivative and codifferential, one for each class of cohomology.
+
+        Parameters
+        ----------
+        degree : int
+            k, from 0 to K.
+
+        Returns
+        -------
+        ndarray, shape (M_k, B), float64
+            Values on ``faces(k)``, orthonormal by ``hodge_star(k)``; B is the Betti
+            number over the reals. For k = 1 found by whole numbers, beyond as
+            eigenforms whose eigenvalue is zero up to rounding.
+        """
+        return harmonic_forms(self._operators, self._check_degree(degree, 0))
+
+    def circular_coordinates(self) -> CircularCoordinates:
+        """Angles along the independent loops: two on a torus, one on an annulus.
+
+        Returns
+        -------
+        CircularCoordinates
+            One angle for each class of the first cohomology over the integers, as
+            smooth as it can be, those that turn most slowly first. None on a sphere, and none for loops that close after two
+            rounds only, as on a projective plane.
+
+        References
+        ----------
+        V. de Silva, D. Morozov, M. Vejdemo-Johansson, Persistent cohomology and
+        circular coordinates, Discrete and Computational Geometry 45(4), 2011.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import remanifold as rm
+        >>> rec = rm.reconstruct(rm.datasets.annulus(500, random_state=0), 2)
+        >>> rec.calculus.circular_coordinates()
+        CircularCoordinates(vertices=500, loops=1)
+        """
+        return circular_coordinates(self._operators)
 
     # ---------------------------------------------------------------------- checks
 

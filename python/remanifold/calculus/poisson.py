@@ -43,14 +43,6 @@ class PoissonSolution(ReadOnlyArrays):
         )
 
 
-def pinned(operators: Operators, fixed: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Components without fixed vertices."""
-    labels = operators.labels
-    free = np.ones(int(labels.max(initial=-1)) + 1, dtype=np.bool_)
-    free[labels[fixed]] = False
-    return free
-
-
 def solve_poisson(
     operators: Operators,
     source: Floats,
@@ -61,26 +53,15 @@ def solve_poisson(
     labels, used = operators.labels, operators.used
     shape = source.shape
     right = source.reshape(shape[0], -1)
-    boundary = fixed_values.reshape(len(fixed), right.shape[1])
-    free = pinned(operators, fixed)
-    own = np.where(used, right.T, 0.0).T
+    free = free_components(operators, fixed)
+    own = np.where(used[:, None], right, 0.0)
     load = -(operators.mass @ own)
     sizes = per_component(operators, operators.volumes[:, None])
     imbalance = per_component(operators, -load) / sizes
     imbalance[~free] = 0.0
     load[used] += operators.volumes[used, None] * imbalance[labels[used]]
-    # One vertex of each component without fixed ones stays at zero meanwhile.
-    values = np.zeros((len(used), right.shape[1]))
-    values[fixed] = boundary
-    inner = used.copy()
-    inner[fixed] = False
-    first = np.full(len(free), -1)
-    order = np.flatnonzero(used)[::-1]
-    first[labels[order]] = order
-    inner[first[free]] = False
-    stiffness = operators.stiffness
-    load -= stiffness @ values
-    values[inner] = factorized(stiffness[inner][:, inner])(load[inner])
+    boundary = fixed_values.reshape(len(fixed), right.shape[1])
+    values = solve_stiffness(operators, load, fixed, boundary)
     means = per_component(operators, operators.volumes[:, None] * values) / sizes
     means[~free] = 0.0
     values[used] -= means[labels[used]]
@@ -88,6 +69,43 @@ def solve_poisson(
     return PoissonSolution(
         values.reshape(shape), imbalance.reshape(len(free), *shape[1:])
     )
+
+
+def free_components(
+    operators: Operators, fixed: NDArray[np.int64]
+) -> NDArray[np.bool_]:
+    """Components without fixed vertices."""
+    labels = operators.labels
+    free = np.ones(int(labels.max(initial=-1)) + 1, dtype=np.bool_)
+    free[labels[fixed]] = False
+    return free
+
+
+def solve_stiffness(
+    operators: Operators,
+    load: Floats,
+    fixed: NDArray[np.int64],
+    fixed_values: Floats,
+) -> Floats:
+    """Solve with the stiffness matrix, (N, C); zero at missing vertices.
+
+    Where a component has no fixed vertices its first one has zero: the load of such a
+    component adds up to zero.
+    """
+    labels, used = operators.labels, operators.used
+    free = free_components(operators, fixed)
+    values = np.zeros(load.shape)
+    values[fixed] = fixed_values
+    inner = used.copy()
+    inner[fixed] = False
+    first = np.full(len(free), -1)
+    order = np.flatnonzero(used)[::-1]
+    first[labels[order]] = order
+    inner[first[free]] = False
+    stiffness = operators.stiffness
+    rest = (load - stiffness @ values)[inner]
+    values[inner] = factorized(stiffness[inner][:, inner])(rest)
+    return values
 
 
 def per_component(operators: Operators, values: Floats) -> Floats:

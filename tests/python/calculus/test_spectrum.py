@@ -32,31 +32,31 @@ CLOSED = {
         lambda: rm.datasets.circle(400, random_state=0),
         1,
         [0, 1, 1, 4, 4, 9, 9],
-        0.005,
+        0.003,
     ),
     "sphere": (
         lambda: rm.datasets.sphere(1000, random_state=0),
         2,
         [0, *[2] * 3, *[6] * 5],
-        0.02,
+        0.017,
     ),
     "flat torus": (
         lambda: rm.datasets.flat_torus(1000, random_state=0),
         2,
         [0, *[1] * 4, *[2] * 4],
-        0.015,
+        0.012,
     ),
     "Klein bottle": (
         lambda: flat_klein_bottle(1000, 0),
         2,
         [0, 1, *[2] * 2, *[4] * 3, *[5] * 4],
-        0.015,
+        0.02,
     ),
     "rotations": (
         lambda: rm.datasets.rotations(1500, random_state=0),
         3,
         [0, *[1] * 9],
-        0.02,
+        0.015,
     ),
 }
 
