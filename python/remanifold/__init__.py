@@ -20,6 +20,7 @@ except ImportError as error:
 from remanifold import datasets, interoperability, io
 from remanifold.calculus.calculus import Calculus
 from remanifold.calculus.cohomology import CircularCoordinates
+from remanifold.calculus.curvature import AngleDefects, Curvature
 from remanifold.calculus.poisson import PoissonSolution
 from remanifold.calculus.regression import Regression
 from remanifold.calculus.spectrum import Spectrum
@@ -65,8 +66,10 @@ from remanifold.warnings import (
 __version__: str = _core.__version__
 
 __all__ = [
+    "AngleDefects",
     "Calculus",
     "CircularCoordinates",
+    "Curvature",
     "DimensionEstimate",
     "DimensionWarning",
     "DoubtWarning",

@@ -21,6 +21,12 @@ from remanifold.calculus.cohomology import (
     circular_coordinates,
     harmonic_forms,
 )
+from remanifold.calculus.curvature import (
+    AngleDefects,
+    Curvature,
+    angle_defects,
+    curvature,
+)
 from remanifold.calculus.level_sets import level_set
 from remanifold.calculus.operators import Operators
 from remanifold.calculus.poisson import (
@@ -36,6 +42,8 @@ from remanifold.calculus.regression import (
 )
 from remanifold.calculus.spectrum import Spectrum, compute_spectrum
 from remanifold.complex.data import ComplexData
+from remanifold.complex.measures import shapes
+from remanifold.complex.normals import vertex_normals
 from remanifold.complex.parts import open_faces
 
 if TYPE_CHECKING:
@@ -649,6 +657,66 @@ class Calculus(Generic[C]):
         CircularCoordinates(vertices=500, loops=1)
         """
         return circular_coordinates(self._operators)
+
+    # -------------------------------------------------------------------- geometry
+
+    def angle_defects(self) -> AngleDefects:
+        """Gaussian curvature of a surface, from the angles of its triangles.
+
+        Returns
+        -------
+        AngleDefects
+            With the check of Gauss and Bonnet. It follows from lengths alone. Defects
+            are exact as integrals; over the area of a vertex of random triangles they
+            scatter and do not converge, where `curvature` does.
+
+        Raises
+        ------
+        ValueError
+            K is not 2.
+        """
+        if self._complex.dim != 2:
+            msg = (
+                f"angle defects are for surfaces, and the dimension is "
+                f"{self._complex.dim}: see curvature()"
+            )
+            raise ValueError(msg)
+        return angle_defects(self._operators)
+
+    def curvature(self) -> Curvature:
+        """Second fundamental form at the vertices, and the curvatures that follow.
+
+        Returns
+        -------
+        Curvature
+            By polynomials of degree 3 over a tangent space, fitted to two neighbors a
+            coefficient at least, out of one to four rings of edges. Needs coordinates;
+            where only products or distances are known `ComplexData.coordinates` are
+            taken. At the boundary neighbors lie on one side only, and errors are
+            several times larger.
+
+        References
+        ----------
+        F. Cazals, M. Pouget, Estimating differential quantities using polynomial
+        fitting of osculating jets, Computer Aided Geometric Design 22, 2005.
+        """
+        whole = self._complex
+        hyper = whole.vertices is not None and whole.ambient_dim == whole.dim + 1
+        normals = None
+        if hyper and whole.topology().orientable:
+            normals = np.nan_to_num(vertex_normals(whole))
+        return curvature(whole, normals)
+
+    def element_shapes(self) -> Floats:
+        """How regular the simplices are: what errors of all the above grow with.
+
+        Returns
+        -------
+        ndarray, shape (M,), float64
+            1 for regular simplices, 0 for flat ones: the K-volume over that of a regular
+            simplex with the same mean square of the edges.
+        """
+        return shapes(self._complex)
 
     # ---------------------------------------------------------------------- checks
 
