@@ -21,6 +21,7 @@ from remanifold import datasets, interoperability, io
 from remanifold.calculus.calculus import Calculus
 from remanifold.calculus.cohomology import CircularCoordinates
 from remanifold.calculus.curvature import AngleDefects, Curvature
+from remanifold.calculus.paths import FrechetMean, LogarithmMap, VoronoiCells
 from remanifold.calculus.poisson import PoissonSolution
 from remanifold.calculus.regression import Regression
 from remanifold.calculus.spectrum import Spectrum
@@ -77,7 +78,9 @@ __all__ = [
     "EdgeSets",
     "Embedding",
     "FileWarning",
+    "FrechetMean",
     "LocalRegions",
+    "LogarithmMap",
     "ManifoldWarning",
     "Neighborhoods",
     "Opening",
@@ -104,6 +107,7 @@ __all__ = [
     "TangentSpaces",
     "Topology",
     "TransposedWarning",
+    "VoronoiCells",
     "__version__",
     "clique_complex",
     "compute_topology",

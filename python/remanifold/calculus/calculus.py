@@ -27,8 +27,20 @@ from remanifold.calculus.curvature import (
     angle_defects,
     curvature,
 )
+from remanifold.calculus.geodesics import METHODS, Distances, GeodesicMethod
 from remanifold.calculus.level_sets import level_set
 from remanifold.calculus.operators import Operators
+from remanifold.calculus.paths import (
+    FrechetMean,
+    LogarithmMap,
+    VoronoiCells,
+    farthest_points,
+    flipped_path,
+    frechet_mean,
+    logarithm_map,
+    refined_path,
+    voronoi_cells,
+)
 from remanifold.calculus.poisson import (
     PoissonSolution,
     free_components,
@@ -84,6 +96,7 @@ class Calculus(Generic[C]):
         self._complex = complex
         self._make = make
         self._operators = Operators(complex)
+        self._distances: dict[str, Distances] = {}
 
     def __repr__(self) -> str:
         return one_line(
@@ -658,6 +671,195 @@ class Calculus(Generic[C]):
         """
         return circular_coordinates(self._operators)
 
+    # ------------------------------------------------------------ paths and distances
+
+    def shortest_path(
+        self, start: int, end: int, *, points: int = 4, exact: bool = False
+    ) -> C:
+        """Shortest path along the complex between two vertices, as a polyline.
+
+        Parameters
+        ----------
+        start, end : int
+            Vertices, not the same.
+        points : int
+            How many points on each edge the path may pass, besides the vertices. 0:
+            along the edges. More are nearer to the truth and cost their square.
+        exact : bool
+            Straightened by edge flips instead, by potpourri3d: for surfaces in at most
+            three coordinates that are manifolds.
+
+        Returns
+        -------
+        SimplicialComplex
+            Of dimension 1, its vertices in order from the start to the end, its `volume`
+            the length of the path. Its `vertex_attributes` say where they are: ``edge``
+            their two vertices here, ``share`` how far along; none with ``exact``.
+
+        Raises
+        ------
+        ValueError
+            Vertices that are the same, missing, or joined by no path; ``exact`` on other
+            complexes.
+        ImportError
+            potpourri3d is not installed.
+
+        Notes
+        -----
+        Paths bend at edges only, for K >= 3 too, and are too long; the page on calculus
+        has how much. Straightened ones are shortest among those nearby.
+
+        References
+        ----------
+        N. Sharp, K. Crane, You can find geodesic paths in triangle meshes by just
+        flipping edges, ACM Transactions on Graphics 39(6), 2020.
+        """
+        ends = self._check_vertices([start, end], "start and end")
+        number = check_int(points, "points", minimum=0)
+        whole = self._complex
+        if exact:
+            if whole.dim != 2 or (whole.ambient_dim or 9) > 3:
+                msg = (
+                    "exact paths are for surfaces in at most three coordinates: leave "
+                    "exact out"
+                )
+                raise ValueError(msg)
+            if not whole.topology().manifold:
+                msg = "exact paths are for manifolds, and this complex is none"
+                raise ValueError(msg)
+        labels = self._operators.labels[ends]
+        found = None
+        if labels[0] == labels[1] and not exact:
+            found = refined_path(whole, int(ends[0]), int(ends[1]), number)
+        if labels[0] != labels[1] or (found is None and not exact):
+            msg = f"no path leads from vertex {ends[0]} to vertex {ends[1]}"
+            raise ValueError(msg)
+        if found is None:
+            way = flipped_path(whole, int(ends[0]), int(ends[1]))
+            attributes: dict[str, NDArray[Any]] = {}
+        else:
+            coordinates = whole.coordinates
+            first, last = (coordinates[found.edges[:, i]] for i in range(2))
+            way = first + found.shares[:, None] * (last - first)
+            attributes = {"edge": found.edges, "share": found.shares}
+        steps = np.arange(len(way) - 1, dtype=np.int32)
+        return self._make(way, np.stack([steps, steps + 1], axis=1), attributes)
+
+    def farthest_points(
+        self, count: int, start: int | None = None, method: GeodesicMethod = "auto"
+    ) -> NDArray[np.int64]:
+        """Vertices that cover the complex evenly: each the farthest from those before.
+
+        Parameters
+        ----------
+        count : int
+            How many.
+        start : int, optional
+            The first; by default the lowest vertex that has a simplex.
+        method : {"auto", "graph", "heat", "exact"}
+            As in `SimplicialComplex.geodesic_distances`.
+
+        Returns
+        -------
+        ndarray, shape (count,), int64
+            In the order in which they were chosen. Every component has one before any
+            has two.
+
+        References
+        ----------
+        T. F. Gonzalez, Clustering to minimize the maximum intercluster distance,
+        Theoretical Computer Science 38, 1985.
+        """
+        used = self._operators.used
+        number = check_int(count, "count", minimum=1)
+        if number > used.sum():
+            msg = f"count is {number}, but there are {used.sum()} vertices"
+            raise ValueError(msg)
+        first = np.flatnonzero(used)[:1]
+        if start is not None:
+            first = self._check_vertices([start], "start")
+        return farthest_points(self._along(method), used, number, int(first[0]))
+
+    def voronoi_cells(
+        self, sites: ArrayLike, method: GeodesicMethod = "auto"
+    ) -> VoronoiCells:
+        """Which of some vertices is nearest along the complex.
+
+        Parameters
+        ----------
+        sites : array_like of bool, shape (N,), or of int, shape (S,)
+            The vertices.
+        method : {"auto", "graph", "heat", "exact"}
+            As in `SimplicialComplex.geodesic_distances`.
+
+        Returns
+        -------
+        VoronoiCells
+        """
+        chosen = self._check_vertices(sites, "sites")
+        return voronoi_cells(self._along(method), self._operators, chosen)
+
+    def mean(
+        self,
+        vertices: ArrayLike,
+        weights: ArrayLike | None = None,
+        method: GeodesicMethod = "auto",
+    ) -> FrechetMean:
+        """Mean of samples on the manifold (Fréchet): of least mean squared distance.
+
+        Parameters
+        ----------
+        vertices : array_like of bool, shape (N,), or of int, shape (Q,)
+            The samples; they are all in one component.
+        weights : array_like, shape (Q,), optional
+            Positive; all the same by default.
+        method : {"auto", "graph", "heat", "exact"}
+            As in `SimplicialComplex.geodesic_distances`.
+
+        Returns
+        -------
+        FrechetMean
+            A vertex: the mean itself lies within about a spacing. There may be several
+            as good.
+        """
+        chosen = self._check_vertices(vertices, "vertices")
+        labels = np.unique(self._operators.labels[chosen])
+        if len(labels) != 1:
+            msg = f"vertices lie in {len(labels)} components: a mean needs them in one"
+            raise ValueError(msg)
+        heights = np.ones(len(chosen))
+        if weights is not None:
+            heights = check_values(weights, "weights", len(chosen), ndim=1)
+            if not (heights > 0).all():
+                place = int((heights <= 0).argmax())
+                msg = f"weights[{place}] is {heights[place]}, expected more than 0"
+                raise ValueError(msg)
+        return frechet_mean(self._along(method), chosen, heights)
+
+    def logarithm(self, vertex: int, method: GeodesicMethod = "auto") -> LogarithmMap:
+        """Normal coordinates about a vertex: where all others lie as seen from there.
+
+        Parameters
+        ----------
+        vertex : int
+            The vertex.
+        method : {"auto", "graph", "heat", "exact"}
+            As in `SimplicialComplex.geodesic_distances`; the more exact the better.
+
+        Returns
+        -------
+        LogarithmMap
+            It takes distances from some twenty vertices for K = 2, forty for K = 3. Near
+            points that several shortest paths lead to, directions are between theirs.
+
+        Raises
+        ------
+        ValueError
+            Too few vertices around for a tangent space.
+        """
+        chosen = self._check_vertices([vertex], "vertex")
+        return logarithm_map(self._along(method), self._complex, int(chosen[0]))
+
     # -------------------------------------------------------------------- geometry
 
     def angle_defects(self) -> AngleDefects:
@@ -719,6 +921,12 @@ class Calculus(Generic[C]):
         return shapes(self._complex)
 
     # ---------------------------------------------------------------------- checks
+
+    def _along(self, method: GeodesicMethod) -> Distances:
+        check_choice(method, "method", METHODS)
+        if method not in self._distances:
+            self._distances[method] = Distances(self._complex, method)
+        return self._distances[method]
 
     def _check_degree(self, degree: Any, least: int, less: int = 0) -> int:
         most = self._complex.dim + less

@@ -227,6 +227,42 @@ def curvature(complex_: ComplexData, normals: Floats | None) -> Curvature:
     return Curvature(tangents, form, missing, directions)
 
 
+def fit_at(
+    complex_: ComplexData, vertex: int
+) -> tuple[NDArray[np.int32], Floats, Floats]:
+    """The others around a vertex, its tangent vectors, and where the others lie there.
+
+    As far from the origin as they are from the vertex in space.
+    """
+    coordinates, dim = complex_.coordinates, complex_.dim
+    monomials = _monomials(dim)
+    wanted = _ENOUGH * len(monomials)
+    i, j = complex_.edges.T
+    near = np.zeros(len(coordinates), dtype=np.bool_)
+    near[vertex] = True
+    for _ in range(_MOST_RINGS):
+        ring = np.concatenate([j[near[i]], i[near[j]]])
+        near[ring] = True
+        if near.sum() > wanted:
+            break
+    near[vertex] = False
+    others = np.flatnonzero(near).astype(np.int32)
+    own = np.array([vertex])
+    tangents, _ = _fit(coordinates, own, others[None, :], dim, monomials)
+    if len(others) < wanted or np.isnan(tangents).any():
+        msg = (
+            f"vertex {vertex} has {len(others)} others within {_MOST_RINGS} edges, too "
+            f"few for a tangent space: {wanted} are needed, and not all on one curve"
+        )
+        raise ValueError(msg)
+    steps = coordinates[others] - coordinates[vertex]
+    places = steps @ tangents[0].T
+    shadow = np.linalg.norm(places, axis=1)
+    chord = np.linalg.norm(steps, axis=1)
+    places *= (chord / np.where(shadow > 0, shadow, 1.0))[:, None]
+    return others, tangents[0], places
+
+
 def _monomials(dim: int) -> list[tuple[int, ...]]:
     """Of degree 1 to 3, as the coordinates that are multiplied."""
     return [

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
 
@@ -28,37 +29,55 @@ def geodesic_distances(
 ) -> NDArray[np.float64]:
     """Distances, as `SimplicialComplex.geodesic_distances` describes them."""
     check_choice(method, "method", METHODS)
-    indices = _check_sources(complex_, sources)
-    if complex_.vertices is None:
-        complex_ = ComplexData(complex_.coordinates, complex_.simplices)
-    if method == "auto":
-        method = "graph" if complex_.dim < 2 else "heat"
-    if method == "graph" or complex_.dim < 2:  # edges are all that there is
-        return _along_edges(complex_, indices)
-    surface_in_space = complex_.dim == 2 and (complex_.ambient_dim or 9) <= 3
-    make: Callable[[ComplexData], _Solver]
-    if method == "exact":
-        if not surface_in_space:
+    return Distances(complex_, method).from_sources(sources)
+
+
+class Distances:
+    """Distances from any vertices, with what they need made once for each component."""
+
+    def __init__(self, complex_: ComplexData, method: GeodesicMethod) -> None:
+        self._whole = complex_
+        if complex_.vertices is None:
+            complex_ = ComplexData(complex_.coordinates, complex_.simplices)
+        self._complex = complex_
+        if method == "auto":
+            method = "graph" if complex_.dim < 2 else "heat"
+        self._make: Callable[[ComplexData], _Solver] | None = None
+        if method == "graph" or complex_.dim < 2:  # edges are all that there is
+            return
+        surface_in_space = complex_.dim == 2 and (complex_.ambient_dim or 9) <= 3
+        if method == "heat":
+            self._make = _heat_in_space if surface_in_space else _heat
+        elif surface_in_space:
+            self._make = _exact
+        else:
             msg = (
                 'method="exact" is for curves, and surfaces in at most three '
                 'coordinates; use "heat" or "graph"'
             )
             raise ValueError(msg)
-        make = _exact
-    else:
-        make = _heat_in_space if surface_in_space else _heat
-    distances = np.full((len(indices), complex_.num_vertices), np.inf)
-    labels = complex_.component_labels()
-    wanted = labels[indices]
-    for label, part in enumerate(parts.components(complex_)):
-        if label not in wanted:
-            continue
-        solve = make(part)
-        own = part.vertex_indices
-        for row in np.flatnonzero(wanted == label):
-            away = solve(int(np.searchsorted(own, indices[row])))
+        self._solvers: dict[int, _Solver] = {}
+
+    @functools.cached_property
+    def _parts(self) -> list[parts.Part]:
+        return parts.components(self._complex)
+
+    def from_sources(self, sources: ArrayLike) -> NDArray[np.float64]:
+        """From each vertex to all, (S, N); infinite where no path leads."""
+        indices = _check_sources(self._whole, sources)
+        if self._make is None:
+            return _along_edges(self._complex, indices)
+        distances = np.full((len(indices), self._complex.num_vertices), np.inf)
+        labels = self._complex.component_labels()
+        for row, source in enumerate(indices):
+            label = int(labels[source])
+            part = self._parts[label]
+            if label not in self._solvers:
+                self._solvers[label] = self._make(part)
+            own = part.vertex_indices
+            away = self._solvers[label](int(np.searchsorted(own, source)))
             distances[row, own] = away
-    return distances
+        return distances
 
 
 def _check_sources(complex_: ComplexData, sources: ArrayLike) -> NDArray[np.int32]:

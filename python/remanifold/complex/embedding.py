@@ -276,7 +276,7 @@ def _geodesic(
     return Embedding(points, "geodesic", label, min(kept, 1.0))
 
 
-def _farthest(distances: NDArray[np.float64]) -> int:
+def farthest(distances: NDArray[np.float64]) -> int:
     """The lowest index of those farthest away: ties, as on grids, are not for rounding."""
     return int(np.argmax(distances >= (1 - TIE) * distances.max()))
 
@@ -286,7 +286,7 @@ def _scale_component(
 ) -> tuple[NDArray[np.float64], float]:
     """Landmark classical scaling: each landmark is the vertex farthest from the others."""
     # The first stands at an end, whatever vertex has the lowest index.
-    farthest = _farthest(_distances_from(graph, int(own[0]))[own])
+    farthest = farthest(_distances_from(graph, int(own[0]))[own])
     rows: list[NDArray[np.float64]] = []
     chosen: list[int] = []
     nearest = np.full(len(own), np.inf)
@@ -294,7 +294,7 @@ def _scale_component(
         chosen.append(farthest)
         rows.append(_distances_from(graph, int(own[farthest]))[own])
         nearest = np.minimum(nearest, rows[-1])
-        farthest = _farthest(nearest)
+        farthest = farthest(nearest)
         if nearest[farthest] == 0:
             break
     squared = np.array(rows) ** 2
