@@ -131,7 +131,7 @@ class Calculus(Generic[C]):
     @property
     def vertex_volumes(self) -> Floats:
         """Share of each vertex in the K-volume, (N,): the lumped mass."""
-        return self._operators.volumes.copy()
+        return np.array(self._operators.volumes)
 
     def mass(self, *, lumped: bool = False) -> Any:
         """Mass matrix: integrals of products of the hat functions.
@@ -185,7 +185,7 @@ class Calculus(Generic[C]):
             As in `interoperability.to_scipy`: all vertices, below K sorted and oriented
             by ascending vertices, in K the simplices as they are.
         """
-        return self._operators.faces(self._check_degree(degree, 0)).copy()
+        return np.array(self._operators.faces(self._check_degree(degree, 0)))
 
     def exterior_derivative(self, degree: int) -> Any:
         """Exterior derivative of k-forms: the transpose of the boundary operator.
@@ -469,9 +469,7 @@ class Calculus(Generic[C]):
         """
         number = check_int(count, "count", minimum=1)
         chosen = self._check_vertices(fixed, "fixed")
-        return compute_spectrum(
-            self._operators, number, chosen, lumped=bool(lumped)
-        )
+        return compute_spectrum(self._operators, number, chosen, lumped=bool(lumped))
 
     # --------------------------------------------------------- functions from values
 
@@ -626,7 +624,10 @@ class Calculus(Generic[C]):
         coordinates = self._complex.coordinates
         start, end = coordinates[found.edges[:, 0]], coordinates[found.edges[:, 1]]
         points = start + found.shares[:, None] * (end - start)
-        attributes = {"edge": found.edges, "share": found.shares}
+        attributes: dict[str, NDArray[Any]] = {
+            "edge": found.edges,
+            "share": found.shares,
+        }
         return self._make(points, found.simplices, attributes)
 
     def harmonic_forms(self, degree: int) -> Floats:

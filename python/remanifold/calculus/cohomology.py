@@ -106,7 +106,7 @@ def integer_cocycles(operators: Operators) -> Integers:
             values[edge] = {number: 1}
             number += 1
         relations = np.zeros((0, number), dtype=np.int64)
-        return _table(values, number) @ _integer_kernel(relations)
+        return np.asarray(_table(values, number) @ _integer_kernel(relations))
     derivative = operators.derivative(1)
     sides = derivative.indices.reshape(-1, 3)
     signs = derivative.data.reshape(-1, 3).tolist()
@@ -212,7 +212,7 @@ def _integer_kernel(relations: Integers) -> Integers:
                 column[:] = [a - times * b for a, b in zip(column, least, strict=True)]
         columns = [c for c in columns if not c[row]]
     kernel = np.array([c[rows:] for c in columns], dtype=np.int64)
-    return kernel.reshape(len(columns), number).T
+    return np.asarray(kernel.reshape(len(columns), number).T)
 
 
 def _reduced(products: Floats) -> Integers:

@@ -90,7 +90,11 @@ class Curvature(ReadOnlyArrays):
     def __repr__(self) -> str:
         count, dim, _, ambient = self.second_form.shape
         return one_line(
-            self, vertices=count, dim=dim, ambient_dim=ambient, missing=len(self.missing)
+            self,
+            vertices=count,
+            dim=dim,
+            ambient_dim=ambient,
+            missing=len(self.missing),
         )
 
     @property
@@ -357,12 +361,12 @@ def _principal(steps: Floats, dim: int) -> Floats:
         return np.ascontiguousarray(vectors[:, :, ::-1][:, :, :dim].transpose(0, 2, 1))
     _, vectors = np.linalg.eigh(steps @ steps.transpose(0, 2, 1))
     wide = steps.transpose(0, 2, 1) @ vectors[:, :, ::-1][:, :, :dim]
-    return np.linalg.qr(wide)[0].transpose(0, 2, 1)
+    return np.asarray(np.linalg.qr(wide)[0].transpose(0, 2, 1))
 
 
 def _normal_directions(tangents: Floats) -> Floats:
     """What is orthogonal to all tangent vectors, its largest entry positive."""
-    known = np.isfinite(tangents).all(axis=(1, 2))
+    known = np.asarray(np.isfinite(tangents).all(axis=(1, 2)))
     filled = np.where(known[:, None, None], tangents, 0.0)
     _, _, rows = np.linalg.svd(filled, full_matrices=True)
     normals = rows[:, -1]

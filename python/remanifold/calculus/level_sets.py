@@ -53,7 +53,9 @@ def _staircases(
     corners = np.array(ways, dtype=np.int64)
     count = low + high
     # Half way along each edge the pieces are as they are for any values.
-    places = (np.eye(count)[corners[:, :, 0]] + np.eye(count)[low + corners[:, :, 1]]) / 2
+    places = (
+        np.eye(count)[corners[:, :, 0]] + np.eye(count)[low + corners[:, :, 1]]
+    ) / 2
     normal = np.concatenate([-np.ones(low) / low, np.ones(high) / high])
     rows = np.concatenate(
         [

@@ -36,13 +36,16 @@ class Operators:
 
     @functools.cached_property
     def elements(self) -> Elements:
+        """Simplices as elements."""
         return elements_of(self.complex)
 
     @functools.cached_property
     def volumes(self) -> Floats:
         """Share of each vertex in the volume, (N,): the lumped mass."""
         shares = np.repeat(self.elements.volumes / (self.dim + 1), self.dim + 1)
-        return np.bincount(self.simplices.ravel(), shares, minlength=self.count)
+        return np.asarray(
+            np.bincount(self.simplices.ravel(), shares, self.count), np.float64
+        )
 
     @functools.cached_property
     def used(self) -> NDArray[np.bool_]:
@@ -168,7 +171,7 @@ class Operators:
         K-simplex through faces of each dimension, whose legs lead from circumcenter to
         circumcenter. A leg counts as negative where it leads away from its simplex.
         """
-        simplices, products = self._ascending
+        simplices, _ = self._ascending
         squares = _squared_lengths(self, simplices)
         corners = self.dim + 1
         legs: dict[tuple[tuple[int, ...], int], Floats] = {}
@@ -207,8 +210,8 @@ class Operators:
             own[numbers[:, column]] = volumes
         with np.errstate(divide="ignore", invalid="ignore"):
             entries = np.where(own > 0, duals / own, 0.0)
-        place = np.arange(size)
-        return _matrix(entries, place, place, size)
+        rows = np.arange(size)
+        return _matrix(entries, rows, rows, size)
 
     def frame_gradients(self, values: Floats) -> Floats:
         """Gradients in the frames of the simplices, (M, K) or (M, K, C); zero if flat."""
@@ -238,7 +241,9 @@ class Operators:
         others = np.linalg.solve(frames.transpose(0, 2, 1), vectors[:, :, None])
         sums = np.concatenate([-others.sum(axis=1), others[:, :, 0]], axis=1)
         sums *= self.elements.volumes[:, None]
-        return np.bincount(self.simplices.ravel(), sums.ravel(), minlength=self.count)
+        return np.asarray(
+            np.bincount(self.simplices.ravel(), sums.ravel(), self.count), np.float64
+        )
 
 
 def _matrix(

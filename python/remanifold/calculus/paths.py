@@ -179,12 +179,12 @@ def _through(
             weight[list(pair)] = 1 - share, share
             weights.append(weight)
     squares = complex_._source.squared_distances(near[:, :, None], near[:, None, :])
-    first, second = np.triu_indices(len(names), 1)
-    apart = np.array(weights)[first] - np.array(weights)[second]
+    one, other = np.triu_indices(len(names), 1)
+    apart = np.array(weights)[one] - np.array(weights)[other]
     products = np.einsum("pi,pj->pij", apart, apart).reshape(len(apart), -1) / -2
     steps = np.sqrt(np.maximum(squares.reshape(len(near), -1) @ products.T, 0.0))
     table = np.stack(names, axis=1)
-    ends = np.sort(np.stack([table[:, first].ravel(), table[:, second].ravel()]), 0)
+    ends = np.sort(np.stack([table[:, one].ravel(), table[:, other].ravel()]), 0)
     # The same step in two simplices counts once: equal up to rounding.
     total = count + len(known) * points
     _, once = np.unique(ends[0] * total + ends[1], return_index=True)
@@ -200,9 +200,9 @@ def _through(
     found = np.repeat(places[:, None], 2, axis=1)
     along = np.zeros(len(places))
     if points:
-        edge, k = np.divmod(places[on_edge] - count, points)
+        edge, step = np.divmod(places[on_edge] - count, points)
         found[on_edge] = np.stack(np.divmod(known[edge], count), axis=1)
-        along[on_edge] = shares[k]
+        along[on_edge] = shares[step]
     return Polyline(found.astype(np.int32), along)
 
 
@@ -248,7 +248,8 @@ def voronoi_cells(
         nearer = away < nearest
         nearest[nearer], labels[nearer] = away[nearer], row
     reached = labels >= 0
-    volumes = np.bincount(labels[reached], operators.volumes[reached], len(sites))
+    shares = operators.volumes[reached]
+    volumes = np.bincount(labels[reached], shares, len(sites)).astype(np.float64)
     return VoronoiCells(sites, labels, nearest, volumes)
 
 

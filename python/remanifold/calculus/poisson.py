@@ -38,9 +38,7 @@ class PoissonSolution(ReadOnlyArrays):
     imbalance: Floats
 
     def __repr__(self) -> str:
-        return one_line(
-            self, vertices=len(self.values), components=len(self.imbalance)
-        )
+        return one_line(self, vertices=len(self.values), components=len(self.imbalance))
 
 
 def solve_poisson(
@@ -113,7 +111,6 @@ def per_component(operators: Operators, values: Floats) -> Floats:
     labels, used = operators.labels, operators.used
     count = int(labels.max(initial=-1)) + 1
     columns = [
-        np.bincount(labels[used], column[used], minlength=count)
-        for column in values.T
+        np.bincount(labels[used], column[used], minlength=count) for column in values.T
     ]
-    return np.array(columns).reshape(values.shape[1], count).T
+    return np.asarray(np.array(columns).reshape(values.shape[1], count).T)

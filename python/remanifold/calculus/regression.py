@@ -59,7 +59,7 @@ class Regression(ReadOnlyArrays):
     degrees_of_freedom: float
     noise: Floats
     score: float
-    _solve: Solver
+    _solve: Solver | None  # not saved
     _places: NDArray[np.int64]  # row of each vertex in what is solved for, or -1
     _scale: Floats  # of the covariance
 
@@ -109,7 +109,9 @@ class Regression(ReadOnlyArrays):
         spline, Journal of the Royal Statistical Society B 45(1), 1983.
         """
         if self._solve is None:
-            msg = "this result was saved and loaded without its factorization: fit again"
+            msg = (
+                "this result was saved and loaded without its factorization: fit again"
+            )
             raise RuntimeError(msg)
         count = len(self.values)
         chosen = (

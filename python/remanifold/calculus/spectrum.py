@@ -85,7 +85,7 @@ class Spectrum(ReadOnlyArrays):
         M. Belkin, P. Niyogi, Laplacian eigenmaps for dimensionality reduction and data
         representation, Neural Computation 15(6), 2003.
         """
-        return self.functions[:, self._slopes(dim)].copy()
+        return np.array(self.functions[:, self._slopes(dim)])
 
     def diffusion_map(self, time: float, dim: int | None = None) -> Floats:
         """Coordinates in which distances are those of diffusion.
@@ -137,7 +137,9 @@ class Spectrum(ReadOnlyArrays):
                 for i, time in enumerate(np.atleast_1d(np.asarray(times)))
             ]
         )
-        return np.asarray(self.functions**2 @ np.exp(-self.eigenvalues[:, None] * instants))
+        return np.asarray(
+            self.functions**2 @ np.exp(-self.eigenvalues[:, None] * instants)
+        )
 
     def distances(
         self,
@@ -171,7 +173,9 @@ class Spectrum(ReadOnlyArrays):
         Transactions on Graphics 29(3), 2010.
         """
         check_choice(kind, "kind", _DISTANCES)
-        chosen = check_index_array(np.atleast_1d(np.asarray(sources)), "sources", np.int32)
+        chosen = check_index_array(
+            np.atleast_1d(np.asarray(sources)), "sources", np.int32
+        )
         wrong = (chosen < 0) | (chosen >= len(self.functions))
         wrong[~wrong] = self._labels[chosen[~wrong]] < 0
         if wrong.any():
@@ -196,7 +200,9 @@ class Spectrum(ReadOnlyArrays):
         for source in chosen:
             row = np.linalg.norm(places - places[source], axis=1)
             if kind != "diffusion":
-                row[(self._labels != self._labels[source]) & (self._labels >= 0)] = np.inf
+                row[(self._labels != self._labels[source]) & (self._labels >= 0)] = (
+                    np.inf
+                )
             rows.append(row)
         return np.array(rows).reshape(len(chosen), len(places))
 
@@ -274,7 +280,7 @@ def _of_component(
     else:
         linalg = scipy_module("sparse.linalg")
         # About minus the first eigenvalue: what is factorized is positive definite.
-        shift = -float(operators.volumes[own].sum()) ** (-2 / operators.dim)
+        shift = -(float(operators.volumes[own].sum()) ** (-2 / operators.dim))
         solve = factorized(stiffness - shift * mass)
         inverse = linalg.LinearOperator(stiffness.shape, matvec=solve, dtype=np.float64)
         values, vectors = linalg.eigsh(

@@ -286,16 +286,16 @@ def _scale_component(
 ) -> tuple[NDArray[np.float64], float]:
     """Landmark classical scaling: each landmark is the vertex farthest from the others."""
     # The first stands at an end, whatever vertex has the lowest index.
-    farthest = farthest(_distances_from(graph, int(own[0]))[own])
+    next_one = farthest(_distances_from(graph, int(own[0]))[own])
     rows: list[NDArray[np.float64]] = []
     chosen: list[int] = []
     nearest = np.full(len(own), np.inf)
     for _ in range(landmarks):
-        chosen.append(farthest)
-        rows.append(_distances_from(graph, int(own[farthest]))[own])
+        chosen.append(next_one)
+        rows.append(_distances_from(graph, int(own[next_one]))[own])
         nearest = np.minimum(nearest, rows[-1])
-        farthest = farthest(nearest)
-        if nearest[farthest] == 0:
+        next_one = farthest(nearest)
+        if nearest[next_one] == 0:
             break
     squared = np.array(rows) ** 2
     between = squared[:, chosen]

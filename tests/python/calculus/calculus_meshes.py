@@ -23,7 +23,10 @@ def _cells(per_side, dim, periodic):
             columns.append(at.copy())
         rows.append(
             np.stack(
-                [np.ravel_multi_index(tuple(c.T % count), (count,) * dim) for c in columns],
+                [
+                    np.ravel_multi_index(tuple(c.T % count), (count,) * dim)
+                    for c in columns
+                ],
                 axis=1,
             )
         )

@@ -22,7 +22,13 @@ import remanifold as rm
             0.1,
         ),
         (lambda: rm.datasets.sphere(1000, dim=3, random_state=0), 3, 6, 1, 1e-4),
-        (lambda: rm.datasets.rotations(1500, random_state=0), 3, 0.75, 1 / 3**0.5, 1e-3),
+        (
+            lambda: rm.datasets.rotations(1500, random_state=0),
+            3,
+            0.75,
+            1 / 3**0.5,
+            1e-3,
+        ),
         (
             lambda: rm.datasets.sphere_times_circle(2000, random_state=0),
             3,
@@ -45,7 +51,9 @@ def test_scalar_and_mean_curvature(draw, dim, scalar, mean, error):
         total = 2 * sum(found.sectional(i, j) for i, j in planes)
         np.testing.assert_allclose(total, found.scalar, atol=1e-12)
     products = found.tangents @ found.tangents.transpose(0, 2, 1)
-    np.testing.assert_allclose(products, np.broadcast_to(np.eye(dim), products.shape), atol=1e-9)
+    np.testing.assert_allclose(
+        products, np.broadcast_to(np.eye(dim), products.shape), atol=1e-9
+    )
     # The second fundamental form has values in the normal space.
     inside = np.einsum("nijd,nkd->nijk", found.second_form, found.tangents)
     assert np.abs(inside).max() < 0.05

@@ -162,7 +162,9 @@ def test_spheres_in_cubes(dim, volume, betti):
     assert topology.manifold
     assert topology.closed
     assert topology.betti_numbers == betti
-    assert found.volume() == pytest.approx(volume, rel={1: 0, 2: 0.01, 3: 0.05, 4: 0.2}[dim])
+    assert found.volume() == pytest.approx(
+        volume, rel={1: 0, 2: 0.01, 3: 0.05, 4: 0.2}[dim]
+    )
     # On the edges, linear in between.
     edge, share = found.vertex_attributes["edge"], found.vertex_attributes["share"]
     heights = away[edge[:, 0]] + share * (away[edge[:, 1]] - away[edge[:, 0]])
@@ -198,7 +200,7 @@ def test_levels_at_vertices_and_beyond():
     assert line.volume() == pytest.approx(1)
     np.testing.assert_array_equal(line.vertices[:, 0], 0.5)
     assert len(line.vertices) == 5
-    with pytest.raises(ValueError, match="level is 3.0, but values are from 0 to 1"):
+    with pytest.raises(ValueError, match=r"level is 3\.0, but values are from 0 to 1"):
         square.calculus.level_set(x, 3)
     with pytest.raises(ValueError, match=r"level\[0\] is nan"):
         square.calculus.level_set(x, np.nan)
@@ -324,7 +326,11 @@ def test_loops_of_two_components():
         (lambda: torus_grid(6)[0], 2, [1, 2, 1]),
         (lambda: torus_grid(3, 3)[0], 3, [1, 3, 3, 1]),
         (lambda: cube(2, 3), 3, [1, 0, 0, 0]),
-        (lambda: rm.reconstruct(rm.datasets.sphere(300, random_state=0), 2), 2, [1, 0, 1]),
+        (
+            lambda: rm.reconstruct(rm.datasets.sphere(300, random_state=0), 2),
+            2,
+            [1, 0, 1],
+        ),
     ],
 )
 def test_harmonic_forms_are_as_many_as_classes(draw, dim, betti):

@@ -222,7 +222,9 @@ def test_flat_simplices_are_left_out():
     assert thin.calculus.missing_vertices.tolist() == [4]
     assert np.isfinite(thin.calculus.stiffness().toarray()).all()
     np.testing.assert_allclose(thin.calculus.gradient([0, 1, 0, 2, 0])[1], 0)
-    np.testing.assert_allclose(thin.calculus.gradient([0, 1, 0, 2, 0])[[0, 2]], [[1, 0]] * 2)
+    np.testing.assert_allclose(
+        thin.calculus.gradient([0, 1, 0, 2, 0])[[0, 2]], [[1, 0]] * 2
+    )
     away = np.array([[0, 1, 5], [1, 0, 1], [5, 1, 0.0]])
     impossible = known_by("distances", rm.SimplicialComplex(np.eye(3), [[0, 1, 2]]))
     impossible._products.matrix[...] = away
@@ -264,8 +266,16 @@ def test_made_once_and_again():
     ("call", "error", "says"),
     [
         (lambda c: c.hodge_star(3), ValueError, "degree is 3, expected 0 to 2"),
-        (lambda c: c.exterior_derivative(2), ValueError, "degree is 2, expected 0 to 1"),
-        (lambda c: c.codifferential(0, []), ValueError, "degree is 0, expected at least"),
+        (
+            lambda c: c.exterior_derivative(2),
+            ValueError,
+            "degree is 2, expected 0 to 1",
+        ),
+        (
+            lambda c: c.codifferential(0, []),
+            ValueError,
+            "degree is 0, expected at least",
+        ),
         (lambda c: c.codifferential(1, [1]), ValueError, r"form has shape \(1,\), exp"),
         (lambda c: c.faces("1"), TypeError, "degree must be an integer"),
         (lambda c: c.integrate([1]), ValueError, r"values has shape \(1,\), expected"),

@@ -128,10 +128,10 @@ def test_logarithms(manifold):
     found = rec.calculus.logarithm(5)
     assert (found.coordinates[5] == 0).all()
     true = away(points, 5)
-    near = (true < 0.6 * true.max()) & (true > 0)
+    near = (true < 0.6 * true.max()) & (np.arange(len(points)) != 5)
     sizes = np.linalg.norm(found.coordinates, axis=1)
     np.testing.assert_allclose(
-        sizes, np.where(true > 0, rec.geodesic_distances(5)[0], 0), atol=1e-9
+        sizes, rec.geodesic_distances(5)[0] * (np.arange(len(points)) != 5), atol=1e-9
     )
     # Where the shortest path leaves, in the tangent vectors of the fit.
     if away is on_sphere:

@@ -142,9 +142,7 @@ def test_embedding_unrolls_and_signature_is_even():
     circle = [
         np.exp(-t * np.arange(-40, 41) ** 2).sum() / (2 * np.pi) for t in (0.5, 2.0)
     ]
-    np.testing.assert_allclose(
-        signature.mean(axis=0), np.square(circle), rtol=0.05
-    )
+    np.testing.assert_allclose(signature.mean(axis=0), np.square(circle), rtol=0.05)
     assert angles.shape == (256, 2)
 
 
