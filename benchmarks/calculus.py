@@ -107,12 +107,12 @@ def spectra(seeds: SeedsOption = 2, markdown: MarkdownOption = False) -> None:
             seconds = []
             for seed in range(seeds):
                 rec = rm.reconstruct(manifold.draw(count, seed), manifold.dim)
-                for lumped in errors:
+                for lumped, own in errors.items():
                     start = time.perf_counter()
                     found = rec.calculus.spectrum(len(exact), lumped=lumped).eigenvalues
                     seconds += [time.perf_counter() - start] * lumped
                     error = np.abs(found[1:] / exact[1:] - 1).mean()
-                    errors[lumped].append(float(error))
+                    own.append(float(error))
             line = [("random samples of", manifold.name), ("N", f"{count:,}")]
             for lumped, name in ((True, "lumped mass"), (False, "full mass")):
                 mean = float(np.mean(errors[lumped]))
@@ -168,8 +168,11 @@ def paths(
                 [
                     ("random samples of", name),
                     ("N", f"{len(points):,}"),
-                    ("", what),
-                    ("mean surplus", f"{100 * np.mean(longer):.2f} %".replace("-", "−")),
+                    ("option", what),
+                    (
+                        "mean surplus",
+                        f"{100 * np.mean(longer):.2f} %".replace("-", "−"),
+                    ),
                     ("largest", f"{100 * np.max(longer):.2f} %".replace("-", "−")),
                     ("ms each", f"{1000 * seconds:.0f}"),
                 ]

@@ -441,8 +441,8 @@ class Calculus(Generic[C]):
             default none: the slope across the boundary is zero.
         lumped : bool
             By the lumped mass matrix, the default: its eigenvalues are a little too
-            small as a rule, those of the full one too large, and three to ten times
-            farther off.
+            small as a rule, those of the full one too large, and several times farther
+            off.
 
         Returns
         -------
@@ -944,11 +944,13 @@ class Calculus(Generic[C]):
         self, values: ArrayLike, name: str, ndim: int | None = None
     ) -> Floats:
         """Finite where functions have values, zero elsewhere."""
-        table = np.asarray(values)
         used = self._operators.used
-        if table.shape[:1] == used.shape and not used.all():
-            table = np.where(used.reshape(-1, *(1,) * (table.ndim - 1)), table, 0)
-        return check_values(table, name, self._complex.num_vertices, ndim=ndim)
+        if not used.all() and not isinstance(values, np.ma.MaskedArray):
+            table = np.asarray(values)
+            if table.shape[:1] == used.shape:
+                own = used.reshape(-1, *(1,) * (table.ndim - 1))
+                values = np.where(own, table, 0)
+        return check_values(values, name, self._complex.num_vertices, ndim=ndim)
 
     def _check_vertices(
         self, vertices: ArrayLike | None, name: str

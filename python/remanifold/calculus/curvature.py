@@ -301,10 +301,10 @@ def _rings(
         left[own] = False
         if len(own) == 0:
             continue
+        near.sort_indices()
         table = np.repeat(own[:, None], sizes[own].max(), axis=1).astype(np.int32)
-        for row, vertex in enumerate(own):
-            others = near.indices[near.indptr[vertex] : near.indptr[vertex + 1]]
-            table[row, : len(others)] = np.sort(others)
+        inside = np.arange(table.shape[1]) < sizes[own][:, None]
+        table[inside] = near[own].indices
         found.append((own, table))
     return found
 

@@ -281,6 +281,11 @@ def test_made_once_and_again():
         (lambda c: c.integrate([1]), ValueError, r"values has shape \(1,\), expected"),
         (lambda c: c.gradient(np.eye(9)), ValueError, r"values has shape \(9, 9\)"),
         (lambda c: c.laplacian([np.nan] * 9), ValueError, r"values\[0\] is nan"),
+        (
+            lambda c: c.integrate(np.ma.masked_less(range(9), 3)),
+            ValueError,
+            "is masked",
+        ),
         (lambda c: c.divergence(np.ones((8, 3))), ValueError, r"expected \(8, 2\)"),
         (lambda c: c.poisson([1] * 9, [9]), ValueError, r"fixed\[0\] is 9, expected"),
         (lambda c: c.poisson([1] * 9, [1], [1, 2]), ValueError, r"values has shape"),
