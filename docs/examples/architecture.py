@@ -31,6 +31,7 @@ CORE_ROOMS = {
 PACKAGE_ROOMS = {
     "_base": "checks, options, inputs",
     "complex": "complexes and what to ask",
+    "calculus": "functions, paths, curvature",
     "method": "the steps, one by one",
     "judging": "how far to trust a result",
     "formats": "files, others' objects",
@@ -156,7 +157,7 @@ def picture():
         ("cli", "sklearn.py", "io.py"),
         ("results",),
         ("page", "drawing", "formats"),
-        ("judging", "method", "complex"),
+        ("judging", "method", "calculus", "complex"),
         ("_base", "datasets"),
     )
     words = {**PACKAGE_ROOMS, "sklearn.py": "an estimator", "io.py": "reading, writing"}

@@ -18,6 +18,13 @@ except ImportError as error:
     raise ImportError(_HINT) from error
 
 from remanifold import datasets, interoperability, io
+from remanifold.calculus.calculus import Calculus
+from remanifold.calculus.cohomology import CircularCoordinates
+from remanifold.calculus.curvature import AngleDefects, Curvature
+from remanifold.calculus.paths import FrechetMean, LogarithmMap, VoronoiCells
+from remanifold.calculus.poisson import PoissonSolution
+from remanifold.calculus.regression import Regression
+from remanifold.calculus.spectrum import Spectrum
 from remanifold.complex.embedding import Embedding, embed
 from remanifold.complex.graphs import edge_graph
 from remanifold.complex.projection import PointsOnComplex, Projection
@@ -63,6 +70,10 @@ from remanifold.warnings import (
 __version__: str = _core.__version__
 
 __all__ = [
+    "AngleDefects",
+    "Calculus",
+    "CircularCoordinates",
+    "Curvature",
     "DimensionEstimate",
     "DimensionWarning",
     "DoubtWarning",
@@ -71,9 +82,11 @@ __all__ = [
     "Embedding",
     "FileWarning",
     "Forecast",
+    "FrechetMean",
     "Invariant",
     "Invariants",
     "LocalRegions",
+    "LogarithmMap",
     "ManifoldWarning",
     "Neighborhoods",
     "Opening",
@@ -81,22 +94,26 @@ __all__ = [
     "Parameters",
     "Place",
     "PointsOnComplex",
+    "PoissonSolution",
     "Projection",
     "Provenance",
     "Quality",
     "Reason",
     "RecallWarning",
     "Reconstruction",
+    "Regression",
     "RemanifoldWarning",
     "Repair",
     "SimplicialComplex",
     "Singularities",
     "Smoothing",
+    "Spectrum",
     "Stars",
     "Subcomplex",
     "TangentSpaces",
     "Topology",
     "TransposedWarning",
+    "VoronoiCells",
     "__version__",
     "clique_complex",
     "compute_topology",

@@ -599,9 +599,13 @@ def results():
     yield from (rm.neighborhoods(sample(2), 4), rm.estimate_dimension(sample(2)))
     yield rm.SimplicialComplex(sample(2), [[0, 1, 2]])
     yield rm.forecast(sample(2), dim=2)
-    yield from rm.reconstruct(
-        rm.datasets.spherical_cap(100, random_state=0), 2
-    ).openings
+    cap = rm.reconstruct(rm.datasets.spherical_cap(100, random_state=0), 2)
+    yield from cap.openings
+    calculus, heights = cap.calculus, cap.vertices[:, 2]
+    yield from (calculus, calculus.spectrum(3), calculus.poisson(heights))
+    yield from (calculus.fit(heights), calculus.circular_coordinates())
+    yield from (calculus.voronoi_cells([0]), calculus.mean([0]))
+    yield from (calculus.logarithm(0), calculus.curvature(), calculus.angle_defects())
 
 
 def test_reprs_are_one_line():

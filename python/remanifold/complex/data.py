@@ -151,9 +151,10 @@ class ComplexData(ReadOnlyArrays):
         return index
 
     def __getstate__(self) -> dict[str, Any]:
-        """All but the spatial index, which is made again."""
+        """All but the spatial index and what was factorized: they are made again."""
         state = dict(vars(self))
         state.pop("_search_index", None)
+        state.pop("calculus", None)
         return state
 
 

@@ -144,7 +144,7 @@ def _percent(share: float) -> str:
     return f"{min(99, round(100 * share)) if share < 1 - 1e-9 else 100} %"
 
 
-def _signs(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+def fixed_signs(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
     """Turn columns so that the first of their largest entries is positive."""
     size = np.abs(vectors)
     first = (size >= size.max(axis=0) * (1 - 1e-6)).argmax(axis=0)
@@ -164,7 +164,7 @@ def _pca(
     centered -= centered[used].mean(axis=0)
     own = centered[used]
     axes = _principal_axes(own)
-    axes = axes * _signs(axes)
+    axes = axes * fixed_signs(axes)
     coordinates = centered @ axes
     total = float((own**2).sum())
     kept = float((coordinates[used] ** 2).sum()) / total if total > 0 else 1.0
@@ -276,7 +276,7 @@ def _geodesic(
     return Embedding(points, "geodesic", label, min(kept, 1.0))
 
 
-def _farthest(distances: NDArray[np.float64]) -> int:
+def farthest(distances: NDArray[np.float64]) -> int:
     """The lowest index of those farthest away: ties, as on grids, are not for rounding."""
     return int(np.argmax(distances >= (1 - TIE) * distances.max()))
 
@@ -286,16 +286,16 @@ def _scale_component(
 ) -> tuple[NDArray[np.float64], float]:
     """Landmark classical scaling: each landmark is the vertex farthest from the others."""
     # The first stands at an end, whatever vertex has the lowest index.
-    farthest = _farthest(_distances_from(graph, int(own[0]))[own])
+    next_one = farthest(_distances_from(graph, int(own[0]))[own])
     rows: list[NDArray[np.float64]] = []
     chosen: list[int] = []
     nearest = np.full(len(own), np.inf)
     for _ in range(landmarks):
-        chosen.append(farthest)
-        rows.append(_distances_from(graph, int(own[farthest]))[own])
+        chosen.append(next_one)
+        rows.append(_distances_from(graph, int(own[next_one]))[own])
         nearest = np.minimum(nearest, rows[-1])
-        farthest = _farthest(nearest)
-        if nearest[farthest] == 0:
+        next_one = farthest(nearest)
+        if nearest[next_one] == 0:
             break
     squared = np.array(rows) ** 2
     between = squared[:, chosen]
@@ -309,7 +309,7 @@ def _scale_component(
     top = np.flatnonzero(positive[:3])
     if len(top) == 0:
         return points, 1.0
-    axes = vectors[:, top] * _signs(vectors[:, top])
+    axes = vectors[:, top] * fixed_signs(vectors[:, top])
     points[:, top] = ((mean[:, None] - squared) / 2).T @ (axes / np.sqrt(values[top]))
     return points, float(values[top].sum()) / total
 

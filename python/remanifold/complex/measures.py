@@ -30,10 +30,13 @@ def edge_lengths(
     return lengths
 
 
-def _gram_matrices(
+def gram_matrices(
     complex: ComplexData,
-) -> Iterator[tuple[slice, NDArray[np.float64]]]:
-    """Inner products of the edges that leave the first vertex, scaled to trace K."""
+) -> Iterator[tuple[slice, NDArray[np.float64], NDArray[np.float64]]]:
+    """Inner products of the edges that leave the first vertex, scaled to trace K.
+
+    Yields the slice of the simplices, the matrices, and what they were divided by.
+    """
     rows = complex.simplices
     source = complex._source
     dim = complex.dim
@@ -47,7 +50,7 @@ def _gram_matrices(
             gram[:, i, j] = (away[:, i] + away[:, j] - between) / 2
         size = away.mean(axis=1)
         size[size == 0] = 1.0
-        yield slice(start, start + len(part)), gram / size[:, None, None]
+        yield slice(start, start + len(part)), gram / size[:, None, None], size
 
 
 def shapes(complex: ComplexData) -> NDArray[np.float64]:
@@ -60,7 +63,7 @@ def shapes(complex: ComplexData) -> NDArray[np.float64]:
     result = np.empty(len(complex.simplices))
     # The determinant of a regular simplex with edges of length one.
     regular = (dim + 1) / 2.0**dim
-    for own, gram in _gram_matrices(complex):
+    for own, gram, _ in gram_matrices(complex):
         diagonal = np.einsum("nii->n", gram)
         # Sum of all squared edges: those of the first vertex, and those between.
         edges = (dim + 1) * diagonal - gram.sum(axis=(1, 2))
@@ -78,7 +81,7 @@ def angles(complex: ComplexData) -> NDArray[np.float64]:
     """
     dim = complex.dim
     found = []
-    for _, gram in _gram_matrices(complex):
+    for _, gram, _ in gram_matrices(complex):
         solid = np.linalg.det(gram) > 1e-14
         inverse = np.linalg.inv(gram[solid])
         # Gradients of all barycentric coordinates: they sum to zero.

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from remanifold.complex.data import check_complex
+from remanifold.complex.faces import boundary_operators
 from remanifold.complex.graphs import edge_lengths
 from remanifold.formats._mesh import simplex_name
 from remanifold.formats.writing import check_fields
@@ -394,41 +395,13 @@ def to_scipy(complex: ComplexData) -> Matrices:
     """
     check_complex(complex)
     sparse = _needed("scipy.sparse", "graph")
-    count, top = complex.num_vertices, complex.simplices
-    levels: list[NDArray[np.int32]] = [top]
-    boundaries: list[Any] = []
-    for size in range(complex.dim + 1, 1, -1):
-        rows = levels[0]
-        order = np.argsort(rows, axis=1, kind="stable")
-        ascending = np.take_along_axis(rows, order, axis=1)
-        turned = _parities(order)
-        faces = np.concatenate([np.delete(ascending, i, axis=1) for i in range(size)])
-        signs = np.concatenate([turned * (-1) ** i for i in range(size)])
-        columns = np.tile(np.arange(len(rows)), size)
-        if size == 2:
-            known, number = np.arange(count, dtype=np.int32)[:, None], faces[:, 0]
-        else:
-            known, number = np.unique(faces, axis=0, return_inverse=True)
-        shape = (len(known), len(rows))
-        entries = (signs.astype(np.int8), (number.reshape(-1), columns))
-        boundaries.insert(0, sparse.csr_array(entries, shape=shape))
-        levels.insert(0, known.astype(np.int32))
+    count = complex.num_vertices
+    boundaries, levels = boundary_operators(complex.simplices, count)
     i, j = complex.edges.T
     pairs = (np.concatenate([i, j]), np.concatenate([j, i]))
     ones = np.ones(2 * len(i), dtype=np.bool_)
     adjacency = sparse.csr_array((ones, pairs), shape=(count, count))
-    return Matrices(adjacency, tuple(boundaries), tuple(levels))
-
-
-def _parities(order: NDArray[np.intp]) -> NDArray[np.int64]:
-    """1 for even permutations, -1 for odd ones."""
-    size = order.shape[1]
-    inversions = sum(
-        (order[:, i] > order[:, j]).astype(np.int64)
-        for i in range(size)
-        for j in range(i + 1, size)
-    )
-    return np.asarray(1 - 2 * (inversions % 2))
+    return Matrices(adjacency, boundaries, levels)
 
 
 def _needed(module: str, extra: str) -> Any:

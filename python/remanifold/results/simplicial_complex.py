@@ -14,7 +14,9 @@ from remanifold._base.html import fragment
 from remanifold._base.read_only import ReadOnlyArrays
 from remanifold._base.text import one_line
 from remanifold._base.validation import check_cells, check_points
-from remanifold.complex import geodesics, normals, parts, projection
+from remanifold.calculus import geodesics
+from remanifold.calculus.calculus import Calculus
+from remanifold.complex import normals, parts, projection
 from remanifold.complex.data import ComplexData
 from remanifold.complex.graphs import edge_graph
 from remanifold.complex.topology import simplex_names
@@ -31,7 +33,7 @@ if TYPE_CHECKING:
 
     from remanifold._base.files import StrPath
     from remanifold._base.progress import Callback
-    from remanifold.complex.geodesics import GeodesicMethod
+    from remanifold.calculus.geodesics import GeodesicMethod
     from remanifold.complex.parts import Part
     from remanifold.complex.projection import PointsOnComplex, Projection, RandomState
 
@@ -352,6 +354,14 @@ class SimplicialComplex(ComplexData):
         """
         return float(self.simplex_volumes.sum())
 
+    @functools.cached_property
+    def calculus(self) -> Calculus[SimplicialComplex]:
+        """Functions on the complex, its spectrum, paths and curvature; see `Calculus`.
+
+        Made when first asked for, and kept with the factorizations that it needs.
+        """
+        return Calculus(self, _complex_of)
+
     def geodesic_distances(
         self, sources: ArrayLike, method: GeodesicMethod = "auto"
     ) -> NDArray[np.float64]:
@@ -464,3 +474,11 @@ def _as_complex(part: Part) -> Subcomplex:
         vertex_attributes=part.vertex_attributes,
         _products=part._products,
     )
+
+
+def _complex_of(
+    vertices: NDArray[np.float64],
+    simplices: NDArray[np.int32],
+    attributes: dict[str, NDArray[Any]],
+) -> SimplicialComplex:
+    return SimplicialComplex(vertices, simplices, vertex_attributes=attributes)

@@ -112,6 +112,12 @@ def test_how_it_works_is_drawn_and_measured_as_on_the_page(tmp_path):
     assert_rows_in_order(done.stdout, page("how_it_works.md"))
 
 
+def test_the_picture_of_the_calculus(tmp_path):
+    pytest.importorskip("scipy")
+    run("calculus.py", tmp_path)
+    assert 20_000 < (tmp_path / "calculus.png").stat().st_size < 200_000
+
+
 def test_limits_are_as_on_the_page():
     assert_rows_in_order(run("limits.py").stdout, page("limits.md"))
 

@@ -222,7 +222,7 @@ def test_signs_are_fixed(seed):
     largest = abs(axes).argmax(axis=0)
     assert (axes[largest, range(3)] > 0).all()
     tied = np.array([[0.5, -0.5], [-0.5, 0.5], [0.5, 0.5]])
-    assert embedding._signs(tied).tolist() == [1, -1]
+    assert embedding.fixed_signs(tied).tolist() == [1, -1]
 
 
 @pytest.mark.parametrize("kind", ["gram", "distances"])

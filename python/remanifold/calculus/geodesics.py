@@ -3,24 +3,24 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
+from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
 
 import numpy as np
 
 from remanifold._base.validation import check_choice, check_index_array
+from remanifold.calculus.operators import Operators
+from remanifold.calculus.solving import factorized
 from remanifold.complex import parts
 from remanifold.complex.data import ComplexData
 from remanifold.complex.graphs import edge_graph, edge_lengths
-from remanifold.complex.projection import edge_triangles, simplex_volumes
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 GeodesicMethod: TypeAlias = Literal["auto", "graph", "heat", "exact"]
 METHODS: tuple[str, ...] = get_args(GeodesicMethod)
-# Smallest singular value of a simplex that has gradients, over its largest.
-_FLAT = 1e-10
 _Solver: TypeAlias = Callable[[int], "NDArray[np.float64]"]
 
 
@@ -29,37 +29,55 @@ def geodesic_distances(
 ) -> NDArray[np.float64]:
     """Distances, as `SimplicialComplex.geodesic_distances` describes them."""
     check_choice(method, "method", METHODS)
-    indices = _check_sources(complex_, sources)
-    if complex_.vertices is None:
-        complex_ = ComplexData(complex_.coordinates, complex_.simplices)
-    if method == "auto":
-        method = "graph" if complex_.dim < 2 else "heat"
-    if method == "graph" or complex_.dim < 2:  # edges are all that there is
-        return _along_edges(complex_, indices)
-    surface_in_space = complex_.dim == 2 and (complex_.ambient_dim or 9) <= 3
-    make: Callable[[ComplexData], _Solver]
-    if method == "exact":
-        if not surface_in_space:
+    return Distances(complex_, method).from_sources(sources)
+
+
+class Distances:
+    """Distances from any vertices, with what they need made once for each component."""
+
+    def __init__(self, complex_: ComplexData, method: GeodesicMethod) -> None:
+        self._whole = complex_
+        if complex_.vertices is None:
+            complex_ = ComplexData(complex_.coordinates, complex_.simplices)
+        self._complex = complex_
+        if method == "auto":
+            method = "graph" if complex_.dim < 2 else "heat"
+        self._make: Callable[[ComplexData], _Solver] | None = None
+        if method == "graph" or complex_.dim < 2:  # edges are all that there is
+            return
+        surface_in_space = complex_.dim == 2 and (complex_.ambient_dim or 9) <= 3
+        if method == "heat":
+            self._make = _heat_in_space if surface_in_space else _heat
+        elif surface_in_space:
+            self._make = _exact
+        else:
             msg = (
                 'method="exact" is for curves, and surfaces in at most three '
                 'coordinates; use "heat" or "graph"'
             )
             raise ValueError(msg)
-        make = _exact
-    else:
-        make = _heat_in_space if surface_in_space else _heat
-    distances = np.full((len(indices), complex_.num_vertices), np.inf)
-    labels = complex_.component_labels()
-    wanted = labels[indices]
-    for label, part in enumerate(parts.components(complex_)):
-        if label not in wanted:
-            continue
-        solve = make(part)
-        own = part.vertex_indices
-        for row in np.flatnonzero(wanted == label):
-            away = solve(int(np.searchsorted(own, indices[row])))
+        self._solvers: dict[int, _Solver] = {}
+
+    @functools.cached_property
+    def _parts(self) -> list[parts.Part]:
+        return parts.components(self._complex)
+
+    def from_sources(self, sources: ArrayLike) -> NDArray[np.float64]:
+        """From each vertex to all, (S, N); infinite where no path leads."""
+        indices = _check_sources(self._whole, sources)
+        if self._make is None:
+            return _along_edges(self._complex, indices)
+        distances = np.full((len(indices), self._complex.num_vertices), np.inf)
+        labels = self._complex.component_labels()
+        for row, source in enumerate(indices):
+            label = int(labels[source])
+            part = self._parts[label]
+            if label not in self._solvers:
+                self._solvers[label] = self._make(part)
+            own = part.vertex_indices
+            away = self._solvers[label](int(np.searchsorted(own, source)))
             distances[row, own] = away
-    return distances
+        return distances
 
 
 def _check_sources(complex_: ComplexData, sources: ArrayLike) -> NDArray[np.int32]:
@@ -150,47 +168,34 @@ def _exact(part: ComplexData) -> _Solver:
 def _heat(part: ComplexData) -> _Solver:
     """Heat method of Crane, Weischedel and Wardetzky on linear elements, for any K, D."""
     try:
-        from scipy.sparse import csc_matrix, diags
-        from scipy.sparse.linalg import splu
+        from scipy.sparse import diags
     except ImportError as error:
         msg = "the heat method needs SciPy: pip install remanifold[geodesic]"
         raise ImportError(msg) from error
-    cells, count = part.simplices, part.num_vertices
-    gradients, volumes = _gradients(part)
-    stiffness_of = np.einsum("m,mik,mjk->mij", volumes, gradients, gradients)
-    arity = cells.shape[1]
-    rows = np.repeat(cells, arity, axis=1).ravel()
-    columns = np.tile(cells, (1, arity)).ravel()
-    stiffness = csc_matrix((stiffness_of.ravel(), (rows, columns)), (count, count))
-    mass = np.bincount(
-        cells.ravel(), np.repeat(volumes / arity, arity), minlength=count
-    )
-    time = float(np.mean(edge_lengths(part))) ** 2
-    try:
-        flow = splu((diags(mass) + time * stiffness).tocsc())
-        # Up to a constant: the first vertex stays at zero.
-        potential = splu(stiffness[1:, 1:].tocsc()) if count > 1 else None
-    except RuntimeError as error:
+    operators = Operators(part)
+    count = part.num_vertices
+    if not operators.used.all() or operators.labels.max() > 0:
         msg = (
             "the heat method has no solution: a vertex is in simplices without volume "
-            'only; use method="graph"'
+            'only, or only these connect it; use method="graph"'
         )
-        raise ValueError(msg) from error
+        raise ValueError(msg)
+    stiffness = operators.stiffness
+    time = float(np.mean(edge_lengths(part))) ** 2
+    flow = factorized(diags(operators.volumes) + time * stiffness)
+    # Up to a constant: the first vertex stays at zero.
+    potential = factorized(stiffness[1:, 1:])
 
     def solve(source: int) -> NDArray[np.float64]:
         start = np.zeros(count)
         start[source] = 1.0
-        heat: NDArray[np.float64] = flow.solve(start)
-        slopes = -np.einsum("mi,mik->mk", heat[cells], gradients)
+        slopes = -operators.frame_gradients(flow(start))
         # Far away heat is too small to be squared.
         slopes /= np.maximum(np.abs(slopes).max(axis=1, keepdims=True), 1e-300)
         lengths = np.linalg.norm(slopes, axis=1, keepdims=True)
         slopes /= np.where(lengths > 0, lengths, 1.0)
-        sums = volumes[:, None] * np.einsum("mik,mk->mi", gradients, slopes)
-        divergence = np.bincount(cells.ravel(), sums.ravel(), minlength=count)
         away = np.zeros(count)
-        if potential is not None:
-            away[1:] = potential.solve(divergence[1:])
+        away[1:] = potential(operators.weak_divergence(slopes)[1:])
         return _from_source(away, source)
 
     return solve
@@ -200,16 +205,3 @@ def _from_source(potential: NDArray[np.float64], source: int) -> NDArray[np.floa
     """Turn a potential into distances."""
     distances: NDArray[np.float64] = np.maximum(potential - potential[source], 0.0)
     return distances
-
-
-def _gradients(
-    part: ComplexData,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Gradients of the barycentric coordinates, (M, K+1, K), and volumes."""
-    size, dim = len(part.simplices), part.dim
-    gradients = np.zeros((size, dim + 1, dim))
-    for rows, triangles in edge_triangles(part):
-        dual: Any = np.linalg.pinv(triangles, rcond=_FLAT)
-        gradients[rows, 1:, : triangles.shape[1]] = dual
-    gradients[:, 0] = -gradients[:, 1:].sum(axis=1)
-    return gradients, simplex_volumes(part)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import remanifold as rm
-from remanifold.complex import geodesics
+from remanifold.calculus import geodesics
 from remanifold.complex.graphs import edge_graph
 
 SOURCES = [0, 7]

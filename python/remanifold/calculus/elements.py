@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Simplices as linear elements: volumes, frames and gradients, from edge lengths."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from remanifold.complex.measures import gram_matrices
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from remanifold.complex.data import ComplexData
+
+# Least eigenvalue of the inner products of the edges, over their mean, of a simplex that
+# has gradients. Squares of lengths are rounded to 2^-52: a third of the digits are left.
+FLAT = 2.0**-40
+
+
+class Elements(NamedTuple):
+    """The K-simplices of a complex, M rows each.
+
+    Attributes
+    ----------
+    volumes : ndarray, shape (M,), float64
+        K-volumes; zero where a simplex is flat or its lengths are those of none.
+    frames : ndarray, shape (M, K, K), float64
+        Edges from the first vertex, as rows, in an orthonormal frame of the simplex;
+        lower triangular. Zero where flat.
+    products : ndarray, shape (M, K+1, K+1), float64
+        Inner products of the gradients of the barycentric coordinates. Zero where flat.
+    flat : ndarray, shape (M,), bool
+        Simplices without gradients.
+    """
+
+    volumes: NDArray[np.float64]
+    frames: NDArray[np.float64]
+    products: NDArray[np.float64]
+    flat: NDArray[np.bool_]
+
+
+def elements_of(complex_: ComplexData) -> Elements:
+    """Elements, from the distances between the vertices alone."""
+    size, dim = len(complex_.simplices), complex_.dim
+    volumes = np.zeros(size)
+    frames = np.zeros((size, dim, dim))
+    products = np.zeros((size, dim + 1, dim + 1))
+    flat = np.ones(size, dtype=np.bool_)
+    for rows, gram, scale in gram_matrices(complex_):
+        solid = np.linalg.eigvalsh(gram)[:, 0] > FLAT
+        own = np.arange(rows.start, rows.stop)[solid]
+        factors = np.linalg.cholesky(gram[solid])
+        unit = np.sqrt(scale[solid])
+        flat[own] = False
+        # Of the diagonal: its product is the root of the determinant.
+        diagonals = np.diagonal(factors, axis1=1, axis2=2)
+        volumes[own] = (diagonals * unit[:, None]).prod(axis=1) / math.factorial(dim)
+        frames[own] = factors * unit[:, None, None]
+        inverse = np.linalg.inv(gram[solid]) / scale[solid][:, None, None]
+        full = np.empty((len(own), dim + 1, dim + 1))
+        full[:, 1:, 1:] = inverse
+        full[:, 0, 1:] = full[:, 1:, 0] = -inverse.sum(axis=2)
+        full[:, 0, 0] = inverse.sum(axis=(1, 2))
+        products[own] = full
+    return Elements(volumes, frames, products, flat)
+
+
+def differences(
+    values: NDArray[np.float64], simplices: NDArray[np.int32]
+) -> NDArray[np.float64]:
+    """Values along the edges from the first vertex, (M, K) or (M, K, C)."""
+    return np.asarray(values[simplices[:, 1:]] - values[simplices[:, :1]])
