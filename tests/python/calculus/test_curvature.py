@@ -38,6 +38,7 @@ import remanifold as rm
         ),
     ],
 )
+@pytest.mark.slow
 def test_scalar_and_mean_curvature(draw, dim, scalar, mean, error):
     rec = rm.reconstruct(draw(), dim)
     found = rec.calculus.curvature()
@@ -81,6 +82,7 @@ def test_principal_curvatures_of_a_torus():
     )
 
 
+@pytest.mark.slow
 def test_errors_fall_with_the_square_of_the_spacing():
     """Four times the samples: about a quarter, on an ellipsoid, where nothing is exact."""
     errors = []

@@ -27,6 +27,7 @@ def sphere():
         (lambda: rm.datasets.flat_torus(800, dim=3, random_state=0), 3),
     ],
 )
+@pytest.mark.slow
 def test_noise_is_found_and_taken_off(draw, dim):
     rec = rm.reconstruct(draw(), dim)
     random = np.random.default_rng(0)
@@ -257,6 +258,7 @@ LOOPS = {
 
 
 @pytest.mark.parametrize("name", LOOPS)
+@pytest.mark.slow
 def test_energies_of_the_angles(name):
     draw, dim, energies = LOOPS[name]
     rec = rm.reconstruct(draw(), dim)

@@ -51,6 +51,7 @@ def check_polyline(path, rec, start, end):
 
 # Mean surplus over the shortest paths, as measured, with a margin of a third.
 @pytest.mark.parametrize(("points", "surplus"), [(0, 0.11), (1, 0.05), (4, 0.025)])
+@pytest.mark.slow
 def test_paths_are_nearly_shortest(manifold, points, surplus):
     rec, away = manifold
     ends = np.random.default_rng(0).choice(len(rec.vertices), (8, 2), replace=False)
@@ -147,6 +148,7 @@ def test_logarithms(manifold):
     assert np.degrees(np.arccos(np.clip(cosine, -1, 1))).mean() < 3
 
 
+@pytest.mark.slow
 def test_logarithms_as_by_others():
     potpourri3d = pytest.importorskip("potpourri3d")
     rec = rm.reconstruct(rm.datasets.torus(1500, random_state=0), 2)

@@ -170,6 +170,7 @@ def test_distances_on_a_circle():
     )
 
 
+@pytest.mark.slow
 def test_the_same_again():
     script = (
         "import remanifold as rm\n"
