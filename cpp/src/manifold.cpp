@@ -16,6 +16,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <numeric>
 #include <utility>
 
 namespace remanifold {
@@ -97,16 +99,33 @@ std::pair<double, double> volume_of(const Samples& samples, const Index* simplex
           edges.rowwise().norm().prod()};
 }
 
-/// With K = D a simplex fills space, to the side that its patch does. What is flat, or has
-/// its volume on the other side, is left out: samples in planes have no K-dimensional
-/// neighborhood, and that is in the report.
-void leave_out_flat(const Samples& samples, ManifoldComplex& complex,
-                    const Execution& execution) {
-  SimplexArray& simplices = complex.simplices;
+/// On a line, edges that other samples lie on. A closed curve has as much length on one
+/// side as on the other.
+std::vector<std::uint8_t> edges_across(const Samples& samples,
+                                       const SimplexArray& edges) {
+  std::vector<Index> order(samples.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(),
+            [&](Index a, Index b) { return *samples.point(a) < *samples.point(b); });
+  std::vector<Index> rank(samples.size());
+  for (Index i = 0; i < samples.size(); ++i) {
+    rank[order[i]] = i;
+  }
+  std::vector<std::uint8_t> across(edges.size(), 0);
+  for (Offset e = 0; e < edges.size(); ++e) {
+    across[e] = std::abs(rank[edges[e][0]] - rank[edges[e][1]]) > 1 ? 1 : 0;
+  }
+  return across;
+}
+
+/// Simplices that are flat, or have their volume on the other side than their patch.
+std::vector<std::uint8_t> turned_over(const Samples& samples,
+                                      const ManifoldComplex& complex) {
+  const SimplexArray& simplices = complex.simplices;
   const auto size = static_cast<std::size_t>(simplices.size());
   std::vector<double> volumes(size);
   std::vector<double> of_patch(complex.patches.sizes.size(), 0.0);
-  std::vector<std::uint8_t> dropped(size, 0);
+  std::vector<std::uint8_t> turned(size, 0);
   for (std::size_t s = 0; s < size; ++s) {
     const auto [volume, lengths] =
         volume_of(samples, simplices[static_cast<Offset>(s)]);
@@ -116,8 +135,20 @@ void leave_out_flat(const Samples& samples, ManifoldComplex& complex,
   }
   for (std::size_t s = 0; s < size; ++s) {
     const Index patch = complex.patches.patch[s];
-    dropped[s] = !(volumes[s] * of_patch[patch] > 0);
+    turned[s] = !(volumes[s] * of_patch[patch] > 0);
   }
+  return turned;
+}
+
+/// With K = D a simplex fills space, to the side that its patch does. What does not is left
+/// out: samples in planes have no K-dimensional neighborhood, and that is in the report.
+void leave_out_flat(const Samples& samples, ManifoldComplex& complex,
+                    const Execution& execution) {
+  SimplexArray& simplices = complex.simplices;
+  const auto size = static_cast<std::size_t>(simplices.size());
+  const std::vector<std::uint8_t> dropped = simplices.arity == 2
+                                                ? edges_across(samples, simplices)
+                                                : turned_over(samples, complex);
   if (std::find(dropped.begin(), dropped.end(), 1) == dropped.end()) {
     return;
   }
@@ -211,7 +242,7 @@ Reconstruction reconstruct(const Samples& given, const ReconstructOptions& optio
   ManifoldComplex complex = build_manifold(
       samples.knowing(neighborhoods), fewer.count > 0 ? fewer : neighborhoods,
       steps.tangents, std::move(steps.regions), manifold, solver, execution);
-  if (samples.has_points() && samples.ambient_dim() == dim && dim > 1) {
+  if (samples.has_points() && samples.ambient_dim() == dim) {
     leave_out_flat(samples, complex, execution);
   }
   const std::vector<std::int8_t> signs =

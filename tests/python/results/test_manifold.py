@@ -835,3 +835,15 @@ def test_tiny_and_huge_coordinates(scale):
     points = SHAPES["torus"].generate(400, random_state=0)
     rec = rm.reconstruct(points * scale, 2)
     np.testing.assert_array_equal(rec.simplices, rm.reconstruct(points, 2).simplices)
+
+
+@pytest.mark.parametrize("count", [3, 4, 8, 30])
+def test_samples_of_a_line_are_no_closed_curve(count):
+    points = np.random.default_rng(count).random((count, 1))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", rm.RemanifoldWarning)
+        rec = rm.reconstruct(points, 1, significance=0.0)
+    ranks = np.argsort(np.argsort(points[:, 0]))
+    ends = np.sort(ranks[rec.simplices], axis=1)
+    assert sorted(ends.tolist()) == [[i, i + 1] for i in range(count - 1)]
+    assert rec.check().ok
