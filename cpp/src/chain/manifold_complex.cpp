@@ -23,6 +23,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <set>
 #include <utility>
 
 namespace remanifold {
@@ -456,6 +457,7 @@ class ManifoldBuilder {
       }
       mend();
     }
+    settle_openings();
     list_parts();
     unsettle_changed();
     list_filled();
@@ -618,6 +620,31 @@ class ManifoldBuilder {
                    openings.end());
     openings.insert(openings.end(), std::make_move_iterator(found.begin()),
                     std::make_move_iterator(found.end()));
+  }
+
+  /// What was opened and was filled again, every simplex of it, is closed after all; what
+  /// several rounds found in vain is listed once.
+  void settle_openings() {
+    std::set<std::vector<Index>> filled;
+    const auto is_there_again = [&](const SimplexArray& simplices) {
+      for (Offset s = 0; s < simplices.size(); ++s) {
+        if (detail::find_row(result_.simplices, simplices[s]) < 0) {
+          return false;
+        }
+      }
+      return simplices.size() > 0;
+    };
+    std::vector<Opening> settled;
+    for (Opening& opening : result_.report.openings) {
+      if (opening.open && is_there_again(opening.simplices)) {
+        opening.open = false;
+        if (!filled.insert(opening.simplices.vertices).second) {
+          continue;
+        }
+      }
+      settled.push_back(std::move(opening));
+    }
+    result_.report.openings = std::move(settled);
   }
 
   /// Between the opened samples only what is small is filled again: what else ties samples
