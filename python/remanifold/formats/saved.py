@@ -150,7 +150,7 @@ def is_saved(file: IO[bytes]) -> bool:
     try:
         with zipfile.ZipFile(file) as archive:
             return TREE in archive.namelist()
-    except (OSError, ValueError, zipfile.BadZipFile):
+    except (OSError, ValueError, NotImplementedError, zipfile.BadZipFile):
         return False
     finally:
         file.seek(0)
