@@ -188,7 +188,7 @@ class Reconstruction(JudgedReconstruction, SimplicialComplex):
         Not whether it is the right manifold, which `quality` judges, but whether it is
         what it says it is: simplices, facets and their cofaces, links, orientation, the
         signs of volumes where K = D, exactly; what `topology`, `repair`, `boundary`,
-        `edges` and `openings` say; that each sample is used, a copy, or left out, once;
+        `edges` and ``openings`` say; that each sample is used, a copy, or left out, once;
         the digests. With the paper's method also the edge sets, stars and cliques.
         Nothing of it calls what the result was made with. It takes less time than the
         reconstruction.
