@@ -27,6 +27,8 @@ class SpreadKernel {
 
   void measure(Index x, const Index* neighbors, double* out) {
     Eigen::Index known = 0;
+    loaded_ = 0;
+    vectors_.resize(ambient_, sizes_.back());
     sum_.setZero(ambient_);
     moments_.setZero(ambient_, ambient_);
     for (const Index size : sizes_) {
@@ -61,11 +63,6 @@ class SpreadKernel {
 
   /// Vectors from x to its neighbors, in columns.
   void load(Index x, const Index* neighbors, Index size) {
-    if (loaded_for_ != neighbors) {
-      loaded_for_ = neighbors;
-      loaded_ = 0;
-      vectors_.resize(ambient_, sizes_.back());
-    }
     const double* px = points_.row(x);
     for (; loaded_ < size; ++loaded_) {
       const double* pq = points_.row(neighbors[loaded_]);
@@ -99,7 +96,6 @@ class SpreadKernel {
   const std::vector<Index>& sizes_;
   Eigen::Index ambient_;
   int num_spreads_;
-  const Index* loaded_for_ = nullptr;
   Index loaded_ = 0;
   Eigen::Matrix<double, D, Eigen::Dynamic> vectors_;
   Eigen::Matrix<double, D, 1> sum_;

@@ -945,8 +945,12 @@ def _necks(found: _Findings) -> Iterator[_Sign]:
     chosen = [thin[groups == group] for group in range(min(count, MOST_OPENED))]
     if count > MOST_OPENED:
         chosen = [thin]
-    number = np.arange(len(rows))
-    necks = [rows[one] for one in chosen if _changes(found, np.isin(number, one))]
+    necks = []
+    for one in chosen:
+        removed = np.zeros(len(rows), dtype=bool)
+        removed[one] = True
+        if _changes(found, removed):
+            necks.append(rows[one])
     if necks:
         samples = np.unique(np.concatenate(necks)).astype(np.int64)
         yield _Sign(

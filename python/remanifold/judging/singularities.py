@@ -168,7 +168,6 @@ class _Samples(NamedTuple):
 
     points: Floats
     dim: int
-    threads: int | None
     near: NDArray[np.int32]  # neighbors
     distances: Floats
     spacing: Floats
@@ -390,7 +389,7 @@ def _fit(
     sizes = sorted({min(size, near.shape[1]) for size in asked})
     spreads = _spreads(points, np.arange(len(points)), near, sizes, dim, threads)
     by_size = {size: spreads[:, i] for i, size in enumerate(sizes)}
-    return _Samples(points, dim, threads, near, distances, spacing, by_size)
+    return _Samples(points, dim, near, distances, spacing, by_size)
 
 
 def _planes(samples: _Samples, scales: _Scales, own: Integers) -> _Planes:
