@@ -152,9 +152,7 @@ def _options(rng: Any, dim: int, solid: bool) -> dict[str, Any]:
 
 
 def attempt(case: Case) -> Run:
-    """Draw, reconstruct, judge. Runs in a process of its own."""
-    soft = math.ceil(CPU_LIMIT + time.process_time())
-    resource.setrlimit(resource.RLIMIT_CPU, (soft, soft + 5))
+    """Draw, reconstruct, judge."""
     drawn = draw(case)
     start = time.process_time()
     with warnings.catch_warnings():
@@ -187,6 +185,13 @@ def attempt(case: Case) -> Run:
     )
 
 
+def attempt_within_limit(case: Case) -> Run:
+    """The same in a process of its own, which the limit ends."""
+    soft = math.ceil(CPU_LIMIT + time.process_time())
+    resource.setrlimit(resource.RLIMIT_CPU, (soft, soft + 5))
+    return attempt(case)
+
+
 def failed(failure: Failure) -> Run:
     """What stands for a run without a result."""
     late = failure.ending == "timeout" or "SIGXCPU" in failure.reason
@@ -200,7 +205,8 @@ def runs_of(
     """One after the other until the time is over."""
     end = time.monotonic() + seconds
     number = jobs or os.cpu_count() or 1
-    with contextlib.closing(run_all(attempt, cases, number, WALL_LIMIT)) as results:
+    runs = run_all(attempt_within_limit, cases, number, WALL_LIMIT)
+    with contextlib.closing(runs) as results:
         for case, result in results:
             yield case, failed(result) if isinstance(result, Failure) else result
             if time.monotonic() > end:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import resource
 import subprocess
 import sys
 from pathlib import Path
@@ -58,7 +59,10 @@ def test_a_case_is_drawn_again_from_its_family_and_seed():
 
 def test_right_and_wrong_are_told_apart(monkeypatch):
     case = soak.Case("circle", 3)
+    limit = resource.getrlimit(resource.RLIMIT_CPU)
     right = soak.attempt(case)
+    # Only a process of its own may be ended: here it would be the one of the tests.
+    assert resource.getrlimit(resource.RLIMIT_CPU) == limit
     assert right.outcome.startswith("right")
     assert right.said == right.broken == ()
     circle = families.FAMILIES["circle"]
