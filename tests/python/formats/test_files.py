@@ -716,7 +716,7 @@ def test_files_cut_short_give_value_errors_only(tmp_path, capfd):
         for path in examples(tmp_path):
             data = path.read_bytes()
             cut = tmp_path / f"cut{path.suffix}"
-            step = max(10, len(data) // 400)
+            step = max(10, len(data) // 150)
             errors = sum(
                 read_all(put(cut, data[:size])) for size in range(0, len(data), step)
             )

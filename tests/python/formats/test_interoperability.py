@@ -334,8 +334,8 @@ def test_open3d_refuses(torus4, open3d):  # noqa: ARG001
 
 
 def test_scipy_has_the_homology(torus, torus4):
-    klein = rm.reconstruct(rm.datasets.klein_bottle(300, random_state=0), 2)
-    ball = rm.reconstruct(rm.datasets.ball(120, random_state=0), 3)
+    klein = rm.reconstruct(rm.datasets.klein_bottle(200, random_state=0), 2)
+    ball = rm.reconstruct(rm.datasets.ball(60, random_state=0), 3)
     for complex in (torus, torus4, klein, ball, EDGES, TETRAHEDRA):
         matrices = complex.to_scipy()
         assert len(matrices.boundaries) == complex.dim
@@ -343,7 +343,7 @@ def test_scipy_has_the_homology(torus, torus4):
             matrices.boundaries, matrices.boundaries[1:], strict=False
         ):
             assert abs(lower.astype(int) @ upper.astype(int)).sum() == 0
-        if len(complex.simplices) > 1000:
+        if len(complex.simplices) > 500:  # the ranks are those of dense matrices
             continue
         # Over the rationals, which for these is over Z3.
         ranks = [np.linalg.matrix_rank(b.toarray()) for b in matrices.boundaries]
