@@ -37,6 +37,8 @@ FirstSteps take_first_steps(CleanSamples& clean, const TangentOptions& tangent,
   }
   Stopwatch watch;
   result.tangents = compute_tangent_spaces(samples, neighborhoods, tangent, execution);
+  refit_along_curves(samples, search, neighborhoods, tangent, result.tangents,
+                     execution);
   result.seconds.tangent_spaces = watch.lap();
   result.regions =
       compute_local_regions(samples, search, neighborhoods, result.tangents, execution);

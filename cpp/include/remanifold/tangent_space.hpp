@@ -49,6 +49,15 @@ TangentSpaces compute_tangent_spaces(const Samples& samples,
                                      TangentOptions options,
                                      const Execution& execution = {});
 
+/// Where samples are dense along curves and sparse across them, as on scan lines, the
+/// nearest neighbors lie on one curve. There, for K of at least 2, fits again to the nearest
+/// in a metric in which both are as dense, among 512 neighbors at most. Points only; with
+/// the enclosure nothing is done.
+void refit_along_curves(const Samples& samples, const NeighborSearch& search,
+                        const Neighborhoods& neighborhoods,
+                        const TangentOptions& options, TangentSpaces& tangents,
+                        const Execution& execution = {});
+
 /// N x K x D: what TangentSpaces::coefficients stand for, in the numbering of the points.
 /// \param scale  of the samples
 std::vector<double> tangent_bases(MatrixView points, int dim,

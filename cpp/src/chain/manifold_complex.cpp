@@ -8,6 +8,7 @@
 #include "base/sort_unique.hpp"
 #include "chain/candidates.hpp"
 #include "chain/opening_finder.hpp"
+#include "chain/stretched_scales.hpp"
 #include "complex/simplex_rows.hpp"
 #include "remanifold/cavities.hpp"
 #include "remanifold/curve_repair.hpp"
@@ -119,13 +120,14 @@ class ManifoldBuilder {
     const Offset count = stars.simplices.size();
     enum : std::uint8_t { kFixed, kLarge, kDisputed, kDropped };
     std::vector<std::uint8_t> kind(count, kDropped);
+    std::vector<float> radii = relative_radii(stars.simplices);
+    if (stretch_scales(stars, radii)) {
+      radii = relative_radii(stars.simplices);
+    }
     detail::for_each_block_uncounted(
         count, kBlock, execution_, [&](Offset begin, Offset end) {
-          SimplexRuler ruler(samples_, scales_);
           for (Offset s = begin; s < end; ++s) {
-            const Index* simplex = stars.simplices[s];
-            const double radius = ruler.measure(simplex, arity_).circumradius /
-                                  ruler.scale(simplex, arity_);
+            const float radius = radii[s];
             if (stars.agreed(s) && radius <= options_.fixed_radius) {
               kind[s] = kFixed;
             } else if (radius <= options_.largest_radius) {
@@ -151,6 +153,32 @@ class ManifoldBuilder {
     }
     stars = {};
     free_small_patches();
+  }
+
+  /// Circumradii over the local scale.
+  std::vector<float> relative_radii(const SimplexArray& simplices) const {
+    std::vector<float> radii(simplices.size());
+    detail::for_each_block_uncounted(
+        simplices.size(), kBlock, execution_, [&](Offset begin, Offset end) {
+          for (Offset s = begin; s < end; ++s) {
+            radii[s] =
+                static_cast<float>(ruler_.measure(simplices[s], arity_).circumradius /
+                                   ruler_.scale(simplices[s], arity_));
+          }
+        });
+    return radii;
+  }
+
+  /// Where the nearest neighbors do not tell the spacing; whether there is such a place.
+  bool stretch_scales(const StarSimplices& stars, const std::vector<float>& radii) {
+    if (dim_ == 1) {
+      return false;
+    }
+    stretch_ = detail::stretch_of_scales(stars, radii, samples_.size(), execution_);
+    for (std::size_t x = 0; x < stretch_.size(); ++x) {
+      scales_[x] *= stretch_[x];
+    }
+    return !stretch_.empty();
   }
 
   /// Small patches have an orientation of their own, which may be wrong, and facets with
@@ -523,7 +551,7 @@ class ManifoldBuilder {
   /// \returns whether there are any
   bool open_by_evidence() {
     detail::WeighedOpenings found = detail::weigh_openings(
-        samples_, neighborhoods_, scales_, result_.simplices,
+        samples_, neighborhoods_, scales_, stretch_, result_.simplices,
         {by_evidence_ ? options_.significance : 0, kMostExpected, options_.decisions},
         execution_);
     list_openings(std::move(found.openings));
@@ -726,6 +754,7 @@ class ManifoldBuilder {
   int dim_;
   int arity_;
   std::vector<double> scales_;
+  std::vector<double> stretch_;  // that they hold, of each sample; empty: 1
   SimplexRuler ruler_;
   bool by_evidence_ = false;
   FacetPrice price_;  // of leaving a facet open

@@ -33,10 +33,12 @@ struct WeighedOpenings {
 
 /// Cost linear in the number of simplices.
 /// \param simplices  columns ascending
-/// \param scales     as from local_scales()
+/// \param scales     as from local_scales(), times
+/// \param stretch    by which they were too small; empty: 1
 WeighedOpenings weigh_openings(const Samples& samples,
                                const Neighborhoods& neighborhoods,
                                const std::vector<double>& scales,
+                               const std::vector<double>& stretch,
                                const SimplexArray& simplices,
                                const OpeningLevels& levels,
                                const Execution& execution = {});

@@ -92,14 +92,16 @@ constexpr double kStraight = 0.5;
 class OpeningFinder {
  public:
   OpeningFinder(const Samples& samples, const Neighborhoods& neighborhoods,
-                const std::vector<double>& scales, const SimplexArray& simplices,
-                const OpeningLevels& levels, const Execution& execution)
+                const std::vector<double>& scales, const std::vector<double>& stretch,
+                const SimplexArray& simplices, const OpeningLevels& levels,
+                const Execution& execution)
       : samples_(samples),
         neighborhoods_(neighborhoods),
         simplices_(simplices),
         levels_(levels),
         execution_(execution),
         scales_(scales),
+        stretch_(stretch),
         ruler_(samples, scales),
         arity_(simplices.arity),
         dim_(simplices.arity - 1),
@@ -125,8 +127,8 @@ class OpeningFinder {
   }
 
  private:
-  /// The local scale further inside.
-  double inner_scale(Index x, std::vector<double>& near) const {
+  /// The local scale further inside, which on lines is too small.
+  double least_inner_scale(Index x, std::vector<double>& near) const {
     const Index rank = std::min(scale_neighbors(dim_), neighborhoods_.count) - 1;
     const Index count =
         std::min(inside_neighbors(dim_) * scale_neighbors(dim_), neighborhoods_.count);
@@ -140,6 +142,10 @@ class OpeningFinder {
     const auto inside = near.begin() + static_cast<Offset>(kInside * count);
     std::nth_element(near.begin(), inside, near.end());
     return std::sqrt(*inside);
+  }
+
+  double inner_scale(Index x, std::vector<double>& near) const {
+    return least_inner_scale(x, near) * (stretch_.empty() ? 1 : stretch_[x]);
   }
 
   /// The circumradius over the inner scale.
@@ -213,7 +219,7 @@ class OpeningFinder {
       const Index* simplex = simplices_[s];
       double scale = 0;
       for (int i = 0; i < arity_; ++i) {
-        scale += inner_scale(simplex[i], near) / arity_;
+        scale += least_inner_scale(simplex[i], near) / arity_;
       }
       const double held = scale_neighbors(dim_) *
                           ruler_.measure(simplex, arity_).volume /
@@ -735,6 +741,7 @@ class OpeningFinder {
   const OpeningLevels& levels_;
   const Execution& execution_;
   const std::vector<double>& scales_;
+  const std::vector<double>& stretch_;
   SimplexRuler ruler_;
   int arity_;
   int dim_;
@@ -759,6 +766,7 @@ namespace detail {
 WeighedOpenings weigh_openings(const Samples& samples,
                                const Neighborhoods& neighborhoods,
                                const std::vector<double>& scales,
+                               const std::vector<double>& stretch,
                                const SimplexArray& simplices,
                                const OpeningLevels& levels,
                                const Execution& execution) {
@@ -767,7 +775,8 @@ WeighedOpenings weigh_openings(const Samples& samples,
       neighborhoods.count == 0) {
     return {};
   }
-  return OpeningFinder(samples, neighborhoods, scales, simplices, levels, execution)
+  return OpeningFinder(samples, neighborhoods, scales, stretch, simplices, levels,
+                       execution)
       .run();
 }
 

@@ -26,6 +26,8 @@ constexpr double kFirstSize = 1.5;
 /// No neighborhood holds a larger share of the samples, or more than that.
 constexpr Index kLargestShare = 4;
 constexpr Index kLargest = 1 << 14;
+/// Neighborhoods in which samples on lines are looked at for others beside these.
+constexpr Index kWidestLines = 1 << 9;
 /// Samples at which sizes are tried: few for large neighborhoods, so that no size costs
 /// more than looking at each sample this many times.
 constexpr Offset kLooks = 2;
@@ -451,6 +453,11 @@ class Smoother {
     return levels;
   }
 
+  static double filled_dim(const Level& before, const Level& last) {
+    return std::log(static_cast<double>(last.count) / before.count) /
+           std::log(last.radius / before.radius);
+  }
+
   /// The dimension that neighborhoods of all these sizes show. That of what they fill
   /// follows from how fast their radii grow with the number of neighbors.
   int dim_of(const std::vector<Level>& levels) const {
@@ -471,11 +478,29 @@ class Smoother {
     if (!thick) {
       return dim;
     }
-    const Level& before = levels[levels.size() - 2];
-    const double filled = std::log(static_cast<double>(last.count) / before.count) /
-                          std::log(last.radius / before.radius);
+    const double filled = filled_dim(levels[levels.size() - 2], last);
     return std::clamp(static_cast<int>(std::lround(filled)), dim + 1,
                       samples_.ambient_dim());
+  }
+
+  /// Whether larger neighborhoods fill K dimensions: samples may be dense along lines. What
+  /// begins to spread in K directions only because it bends does not fill them.
+  bool spreads_farther(const NeighborSearch& search) const {
+    int last = kWide;
+    while (size_of(last + 1) <= std::min(largest(), kWidestLines)) {
+      ++last;
+    }
+    const Index probes = std::min(samples_.size(), kFewestProbes);
+    const std::vector<Level> levels = measure(search, kWide, last, 1, probes);
+    const auto wide =
+        std::find_if(levels.begin(), levels.end(),
+                     [&](const Level& level) { return level.wide >= options_.dim; });
+    // From there on, each time to twice as many.
+    bool fills = levels.end() - wide > 2;
+    for (auto level = wide; levels.end() - level > 2; ++level) {
+      fills = fills && std::lround(filled_dim(level[0], level[2])) >= options_.dim;
+    }
+    return fills;
   }
 
   Choice choose(const NeighborSearch& search) const {
@@ -494,7 +519,11 @@ class Smoother {
     const double nearest = test[2].nearest;
     choice.fitting_dim = dim_of(test);
     const bool thick = choice.fitting_dim > options_.dim;
-    const bool clean = choice.fitting_dim < options_.dim || test[2].ties > kMostTies ||
+    const bool thin = choice.fitting_dim < options_.dim;
+    if (thin && spreads_farther(search)) {
+      choice.fitting_dim = options_.dim;
+    }
+    const bool clean = thin || test[2].ties > kMostTies ||
                        !(test[2].growth < kShapeGrowth) ||
                        !(std::sqrt(test[2].scatter) > kLeastNoise * nearest);
     if (clean && !thick && options_.only_noise) {

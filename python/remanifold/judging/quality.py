@@ -17,7 +17,12 @@ from remanifold._base.read_only import ReadOnlyArrays
 from remanifold._base.samples import Points
 from remanifold._base.text import two_digits
 from remanifold.judging.removal import mark_rows, removal_changes
-from remanifold.judging.singularities import singularities_of
+from remanifold.judging.singularities import (
+    KINDS,
+    LOWER,
+    singularities_of,
+    verdict_on,
+)
 from remanifold.method.dimension import other_dimension
 
 if TYPE_CHECKING:
@@ -263,6 +268,9 @@ _LIMITS = {1: _CURVES, 2: _SURFACES, 3: _THREE}
 MOST_FOLD = 176.0  # degrees that noise may account for, with the limit itself
 MOST_NOISE = 0.2  # over the spacing, beyond which it is no longer told from sparsity
 MANY_OUTLIERS = 0.05  # share of the samples
+# A line of samples with a surface through it: this share of them and more inside of that,
+# where it bends by no more degrees.
+COVERED, SMOOTH_FOLD = 0.5, 60.0
 FEW = 20_000  # samples among which crossings are looked for without a sign
 LONG_EDGE = 1.2  # spacings
 MOST_LONG_EDGES = 50  # that are looked at
@@ -383,10 +391,13 @@ def assess(rec: ReconstructionData) -> Quality:
         )
         signs.append(_Sign(True, text, rec.outliers.astype(np.int64)))
     if signs or findings.num_samples <= FEW:
-        signs = [*_singularities(rec, source), *signs]
+        signs = [*_singularities(rec, findings, source), *signs]
     if not any(sign.strong for sign in signs) and len(signs) < 2:
         signs = []
     fitting = None if rec.smoothing is None else rec.smoothing.fitting_dim
+    if fitting is not None and fitting < rec.dim:
+        everywhere = np.flatnonzero(findings.own)
+        fitting = None if _is_covered(findings, everywhere) else fitting
     if fitting is not None and not any(sign.kind == "singular" for sign in signs):
         text = other_dimension(rec.dim, fitting)
         signs = [_Sign(True, text, _NOWHERE, kind="singular"), *signs]
@@ -572,17 +583,40 @@ def _fitted(dim: int) -> int:
     return _core.jet_neighbors(dim)
 
 
-def _singularities(rec: ReconstructionData, samples: Input) -> Iterator[_Sign]:
+def _singularities(
+    rec: ReconstructionData, found: _Findings, samples: Input
+) -> Iterator[_Sign]:
     """Where the samples are no K-manifold at all."""
     kept = np.ones(rec.num_samples, dtype=bool)
     kept[rec.left_out] = False
     if np.count_nonzero(kept) <= 2 * rec.dim + 2:
         return
-    found = singularities_of(samples.subset(kept), rec.dim)
-    if found.places:
-        numbers = np.flatnonzero(kept)
-        marked = np.concatenate([place.samples for place in found.places])
-        yield _Sign(True, found.verdict, np.unique(numbers[marked]), kind="singular")
+    numbers = np.flatnonzero(kept).astype(np.int32)
+    places = [
+        place._replace(samples=numbers[place.samples])
+        for place in singularities_of(samples.subset(kept), rec.dim).places
+    ]
+    places = [
+        place
+        for place in places
+        if place.kind != KINDS[LOWER] or not _is_covered(found, place.samples)
+    ]
+    if places:
+        marked = np.unique(np.concatenate([place.samples for place in places]))
+        yield _Sign(True, verdict_on(rec.dim, places), marked, kind="singular")
+
+
+def _is_covered(found: _Findings, samples: NDArray[Any]) -> bool:
+    """Whether samples along lines are those of a manifold that is sampled denser along them.
+
+    Most of them then lie inside the result, which is smooth there and as all agree.
+    """
+    inside = np.zeros(len(found.own), dtype=bool)
+    inside[found.rows] = True
+    inside[found.repair.filled_simplices] = False
+    inside &= ~found.on_rim
+    inside &= found.fold <= SMOOTH_FOLD
+    return bool(np.count_nonzero(inside[samples]) > COVERED * len(samples))
 
 
 _NOWHERE = np.empty(0, dtype=np.int64)

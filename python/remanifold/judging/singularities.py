@@ -287,7 +287,7 @@ def singularities_of(
         for array in (place.samples, place.center):
             if array is not None:
                 array.flags.writeable = False
-    return Singularities(k, kind, tuple(places), _verdict(k, places))
+    return Singularities(k, kind, tuple(places), verdict_on(k, places))
 
 
 def _middle(points: Floats) -> Floats:
@@ -827,7 +827,7 @@ def _connected(pairs: NDArray[np.intp], count: int) -> list[NDArray[np.intp]]:
     return np.split(order, np.cumsum(np.bincount(labels))[:-1]) if count else []
 
 
-def _verdict(dim: int, places: list[Place]) -> str:
+def verdict_on(dim: int, places: list[Place]) -> str:
     """One sentence about the largest places."""
     if not places:
         return "no crossing, branching or part of another dimension found"

@@ -46,7 +46,7 @@ struct Given {
   WeighedOpenings weigh(double significance, int threads = 1) const {
     Execution execution;
     execution.num_threads = threads;
-    return weigh_openings(samples, near, scales, simplices, {significance, 1.0, {}},
+    return weigh_openings(samples, near, scales, {}, simplices, {significance, 1.0, {}},
                           execution);
   }
 };
