@@ -4,7 +4,8 @@
     python docs/examples/real_data.py DATA [FOLDER]
 
 DATA holds the sets, which are no part of this repository. Draws the pictures of
-docs/real_data.md to FOLDER and prints its tables.
+docs/real_data.md to FOLDER and prints its tables. Beside it PyMeshLab's screened Poisson
+and MeshLib, both as they come; `pip install pymeshlab meshlib pyvista`.
 """
 
 import sys
@@ -14,6 +15,10 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
+import pymeshlab
+import pyvista
+from meshlib import mrmeshnumpy, mrmeshpy
+from PIL import Image
 from scipy.spatial import cKDTree
 
 import drawing
@@ -25,6 +30,7 @@ TEN_VIEWS = "rawscan_bunny_ten_views_registered_60k"
 MESH = "surface_stanford_bunny_vertices"
 LIDAR = "lidar_autzen_thinned"
 PATCHES = "highdim_range_image_patches_circle_in_R25"
+CARTON = "rawscan_milk_carton"
 MILLIMETERS = 1000.0  # the scans are in meters
 
 
@@ -49,7 +55,7 @@ def reconstruct(label, points, dim, unit=1.0, **options):
         moved = smoothing.num_neighbors or "none"
     row(
         label,
-        f"`{options.get('smooth', False)!r}`".replace("'", '"'),
+        f"`{options['smooth']!r}`".replace("'", '"'),
         f"{len(rec.simplices):,}",
         topology.components,
         repair.num_boundary_components,
@@ -195,7 +201,7 @@ def once_around(rec, plane):
     return bool(round(abs(total) / (2 * np.pi)) == 1)
 
 
-def patches(data, folder, draws=4, few=1000, num_neighbors=600):
+def patches(data, folder, draws=4, few=1000, num_neighbors=400):
     points = load(data, PATCHES)["points"]
     plane = np.linalg.svd(points, full_matrices=False)[2][:2]
     counts, shown = (20, 40, 80), (0, 1, 2, 4, 8)
@@ -212,7 +218,7 @@ def patches(data, folder, draws=4, few=1000, num_neighbors=600):
                 noise[i] += smoothing.noise / draws
                 for j, count in enumerate(counts):
                     thin = datasets.spread(places, count, random_state=seed)
-                    rec = rm.reconstruct(thin, 1)
+                    rec = rm.reconstruct(thin, 1, smooth=False)
                     right[i, j] += once_around(rec, plane)
                     if seed == 0 and count == 40:
                         last = places, rec
@@ -233,6 +239,84 @@ def patches(data, folder, draws=4, few=1000, num_neighbors=600):
     drawing.save(figure, folder / "real_patches.png", colors=48)
 
 
+def by_poisson(points):
+    meshes = pymeshlab.MeshSet()
+    meshes.add_mesh(pymeshlab.Mesh(points))
+    meshes.compute_normal_for_point_clouds()
+    meshes.generate_surface_reconstruction_screened_poisson()
+    mesh = meshes.current_mesh()
+    return rm.SimplicialComplex(mesh.vertex_matrix(), mesh.face_matrix())
+
+
+def by_meshlib(points):
+    cloud = mrmeshnumpy.pointCloudFromPoints(np.ascontiguousarray(points))
+    faces = mrmeshnumpy.getNumpyFaces(mrmeshpy.triangulatePointCloud(cloud).topology)
+    # Triangles that it has taken out are rows of one vertex, and some come twice.
+    faces = faces[(faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2])]
+    first = np.unique(np.sort(faces, axis=1), axis=0, return_index=True)[1]
+    return rm.SimplicialComplex(points, faces[first])
+
+
+def beside_others(data, folder):
+    """Scans as they come, by three programs; a row of pictures each."""
+    ways = {
+        "screened Poisson": by_poisson,
+        "MeshLib": by_meshlib,
+        "remanifold": lambda points: rm.reconstruct(points, 2),
+    }
+    # Looked at along, with this way up.
+    scans_of = {
+        "bunny, ten views": (TEN_VIEWS, (0.3, -0.9, 1.0), (0, 1, 0)),
+        "milk carton": (CARTON, (0.6, -0.4, -1.0), (0, -1, 0)),
+        "LiDAR": (LIDAR, (0.0, -1.0, 0.9), (0, 0, 1)),
+    }
+    plotter = pyvista.Plotter(
+        off_screen=True,
+        shape=(len(scans_of), len(ways)),
+        window_size=(1200, 360 * len(scans_of)),
+        border=False,
+    )
+    for i, (label, (name, along, up)) in enumerate(scans_of.items()):
+        points = load(data, name)["points"]
+        for j, (program, build) in enumerate(ways.items()):
+            start = time.perf_counter()
+            found = build(points)
+            seconds = time.perf_counter() - start
+            topology = found.topology()
+            row(
+                label,
+                program,
+                f"{len(found.simplices):,}",
+                topology.components,
+                topology.boundary_components,
+                "yes" if topology.manifold else "no",
+                f"{seconds:.1f}",
+            )
+            plotter.subplot(i, j)
+            shape = pyvista.PolyData.from_regular_faces(found.vertices, found.simplices)
+            plotter.add_mesh(shape, color="#e0a458")
+            rims = shape.extract_feature_edges(
+                feature_edges=False, manifold_edges=False, non_manifold_edges=False
+            )
+            if rims.n_cells:
+                plotter.add_mesh(rims, color="#1f4e8c", line_width=2)
+            plotter.add_text(f"{label}\n{program}", font_size=9, color="#303030")
+            plotter.set_background("white")
+            # The same place for all: Poisson goes on where nothing was measured.
+            plotter.camera_position = _camera(points, along, up)
+    image = Image.fromarray(plotter.screenshot(return_img=True))
+    plotter.close()
+    path = folder / "real_beside_others.png"
+    image.quantize(128).save(path, optimize=True)
+
+
+def _camera(points, along, up):
+    middle = (points.min(axis=0) + points.max(axis=0)) / 2
+    size = np.linalg.norm(points.max(axis=0) - points.min(axis=0))
+    along = np.array(along) / np.linalg.norm(along)
+    return [tuple(middle + 1.5 * size * along), tuple(middle), up]
+
+
 def main():
     warnings.simplefilter("ignore", rm.RemanifoldWarning)
     data = Path(sys.argv[1])
@@ -240,6 +324,7 @@ def main():
     scans(data, folder)
     patches(data, folder)
     lidar(data, folder)
+    beside_others(data, folder)
 
 
 if __name__ == "__main__":
