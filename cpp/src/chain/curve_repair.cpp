@@ -17,6 +17,8 @@ namespace {
 /// longest edge among them: two gaps of three spacings each, there and back, are a chance
 /// of e^-6.
 constexpr double kOnItsOwn = 3;
+/// So many pairs of ends for each sample are compared beyond the neighborhoods.
+constexpr Offset kPairsPerSample = 10;
 
 class CurveRepair {
  public:
@@ -42,20 +44,31 @@ class CurveRepair {
       }
     };
     std::vector<Join> joins;
+    const auto consider = [&](Index a, Index b) {
+      if (degree(b) == 2 || next_[a][0] == b) {
+        return;
+      }
+      const double energy = energy_of(a, b);
+      if (energy < price_(&a) + price_(&b)) {
+        joins.push_back({energy, std::min(a, b), std::max(a, b)});
+      }
+    };
+    std::vector<Index> ends;
     for (Index a = 0; a < samples_.size(); ++a) {
       if (degree(a) == 2) {
         continue;
       }
+      ends.push_back(a);
       for (Index k = 0; k < neighborhoods_.count; ++k) {
-        const Index b = neighborhoods_.of(a)[k];
-        // Of two that have each other among their neighbors, once.
-        if (degree(b) == 2 || next_[a][0] == b) {
-          continue;
-        }
-        const double energy = energy_of(a, b);
-        if (energy < price_(&a) + price_(&b)) {
-          joins.push_back({energy, std::min(a, b), std::max(a, b)});
-        }
+        consider(a, neighborhoods_.of(a)[k]);
+      }
+    }
+    // Another, denser part may be nearer than the other end: few ends are all compared.
+    const auto count = static_cast<Offset>(ends.size());
+    for (Offset i = 0; count * count <= kPairsPerSample * samples_.size() && i < count;
+         ++i) {
+      for (Offset j = i + 1; j < count; ++j) {
+        consider(ends[i], ends[j]);
       }
     }
     std::sort(joins.begin(), joins.end());
