@@ -265,7 +265,6 @@ MOST_FOLD = 176.0  # degrees that noise may account for, with the limit itself
 MOST_NOISE = 0.2  # over the spacing, beyond which it is no longer told from sparsity
 MANY_OUTLIERS = 0.05  # share of the samples
 MOST_STRAY = 128  # of them that tell which dimension they fill
-STRAY_ERRORS = 2.0  # standard errors by which it is more than that of the manifold
 FEW = 20_000  # samples among which crossings are looked for without a sign
 LONG_EDGE = 1.2  # spacings
 MOST_LONG_EDGES = 50  # that are looked at
@@ -276,6 +275,7 @@ MOST_OPENED = 10  # closed places that are taken out to see what that does
 # the results that are right are doubted for it. Joints are in doubt in any case.
 RARE_GAP = 0.04
 SURE = 0.1  # of the significance, below which an opening is beyond doubt
+NORMAL_QUARTILES = 1.349  # standard deviations between them
 LAYERS_SHARE = 0.75  # of the samples, those nearest to the middle
 LAYERS_ERRORS = 3.0  # standard errors from which on too few samples lie in the middle
 NO_NOISE = 1e-3  # chance that normal noise moves any sample so far
@@ -673,12 +673,19 @@ def _no_noise(rec: ReconstructionData) -> Iterator[_Sign]:
 def _normal_directions(squares: NDArray[np.float64], most: int) -> float:
     """Directions of the noise, which may be fewer than those normal to the manifold.
 
-    As many as the mean and the variance of a sum of squares of normal variables tell
-    (Satterthwaite, 1946): samples in many coordinates seldom have noise in all of them.
+    Samples in many coordinates seldom have noise in all of them. The cube root of a sum of
+    c squares of normal variables is nearly normal, with a variance of v = 2 / (9 c) over
+    the square of its mean 1 - v (Wilson and Hilferty, 1931); quartiles do not heed what is
+    no noise.
     """
-    variance = float(squares.var())
-    told = 2 * float(squares.mean()) ** 2 / variance if variance > 0 else math.inf
-    return min(max(1.0, told), max(1.0, float(most)))
+    low, middle, high = np.quantile(np.cbrt(squares), [0.25, 0.5, 0.75])
+    if not middle > 0:
+        return 1.0
+    ratio = ((high - low) / (NORMAL_QUARTILES * middle)) ** 2
+    # v / (1 - v)^2 = ratio, without cancellation
+    v = 2 * ratio / (2 * ratio + 1 + math.sqrt(4 * ratio + 1))
+    told = 2 / (9 * v) if v > 0 else math.inf
+    return float(min(max(1.0, told), max(1, most)))
 
 
 def _has_layers(squares: NDArray[np.float64], normals: float) -> bool:
@@ -718,13 +725,14 @@ def _edges_among(
 
 
 def _num_stray(rec: ReconstructionData) -> int:
-    """Outliers, if they fill more dimensions than a part of the manifold does, else 0."""
+    """Outliers, if they rather fill K + 1 dimensions than K, as a part would; else 0."""
     out = rec.outliers.astype(np.int64)
     own = out[rec.representatives[out] == out]
     # Few of many, since at their own spacing even samples with noise fill space.
     some = own[np.linspace(0, len(own) - 1, min(len(own), MOST_STRAY)).astype(np.int64)]
-    dim, error = _dimension_of(rec._source, some)
-    return len(own) if dim - STRAY_ERRORS * error > rec.dim else 0
+    # At this dimension both are as likely.
+    even = 1 / math.log1p(1 / rec.dim)
+    return len(own) if _dimension_of(rec._source, some) > even else 0
 
 
 def _outliers(rec: ReconstructionData) -> Iterator[_Sign]:
@@ -739,22 +747,20 @@ def _outliers(rec: ReconstructionData) -> Iterator[_Sign]:
         )
 
 
-def _dimension_of(samples: Input, some: NDArray[np.int64]) -> tuple[float, float]:
-    """Dimension that a few of the samples fill, and its standard error.
+def _dimension_of(samples: Input, some: NDArray[np.int64]) -> float:
+    """Dimension that a few of the samples fill, 0 where that cannot be told.
 
     By the ratios of the distances to the second and to the first nearest, whose logarithms
     are exponential with the dimension as their rate (Facco et al., 2017).
     """
     if len(some) < 3:
-        return 0.0, math.inf
+        return 0.0
     squares = samples.squared_distances(some[:, None], some[None, :])
     np.fill_diagonal(squares, np.inf)
     nearest = np.partition(squares, 1, axis=1)[:, :2]
     nearest = nearest[nearest[:, 0] > 0]
     total = float(np.log(nearest[:, 1] / nearest[:, 0]).sum()) / 2
-    if not total > 0:
-        return 0.0, math.inf
-    return len(nearest) / total, math.sqrt(len(nearest)) / total
+    return len(nearest) / total if total > 0 else 0.0
 
 
 def _too_few(found: _Findings) -> Iterator[_Sign]:

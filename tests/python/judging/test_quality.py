@@ -397,6 +397,15 @@ def test_layers_with_noise_are_told(seed):
 
 
 @pytest.mark.parametrize("normals", [1, 2, 5])
+def test_directions_of_noise(normals):
+    squares = (np.random.default_rng(0).normal(size=(4000, normals)) ** 2).sum(axis=1)
+    squares[:200] *= 100  # what is no noise
+    found = quality._normal_directions(squares, 10)
+    assert found == pytest.approx(normals, rel=0.15)
+    assert quality._normal_directions(squares, 1) == 1
+
+
+@pytest.mark.parametrize("normals", [1, 2, 5])
 def test_one_peak_is_no_layers(normals):
     rng = np.random.default_rng(normals)
     vectors = rng.normal(size=(4000, normals))
@@ -588,9 +597,8 @@ def test_dimension_that_samples_fill(dim):
     cube = np.pad(np.random.default_rng(dim).random((128, dim)), [(0, 0), (0, 5 - dim)])
     cube[0] = cube[1]
     samples = Points(cube)
-    found, error = quality._dimension_of(samples, np.arange(128))
-    assert abs(found - dim) < 2.5 * error
-    assert error == pytest.approx(found / math.sqrt(126))
+    found = quality._dimension_of(samples, np.arange(128))
+    assert abs(found - dim) < 2.5 * dim / math.sqrt(126)
 
 
 def test_folds_around_single_samples_are_no_reason_among_stray_ones():
