@@ -557,6 +557,7 @@ def _signs(found: _Findings) -> Iterator[_Sign]:
         yield from _openings(found)
         yield from _close_decisions(found)
         yield from _necks(found)
+        yield from _strips(found)
         yield from _bridges(found)
         yield from _parts(found)
         yield from _disputes(found)
@@ -1073,6 +1074,46 @@ def _necks(found: _Findings) -> Iterator[_Sign]:
             f"{_count(len(necks), 'neck')} without a sample inside: what it joins may "
             "be apart; more samples there would tell",
             samples,
+        )
+
+
+def _strips(found: _Findings) -> Iterator[_Sign]:
+    """Simplices between samples around an open place that reach from rim to rim.
+
+    No sample lies in them, as none does in the place, which may go on there.
+    """
+    open_holes = [
+        opening
+        for opening in found.openings
+        if opening.kind == "hole" and opening.decision == "open"
+    ]
+    if not open_holes or len(found.repair.open_faces) == 0:
+        return
+    around = found.on_rim.copy()
+    around[_samples_of(open_holes)] = True
+    rows, rim = found.rows, np.sort(found.repair.open_faces, axis=1)
+    thin = np.flatnonzero(around[rows].all(axis=1))
+    parts = _core.face_sets(rows[thin]) if len(thin) else np.empty(0, np.int64)
+    strips = []
+    for part in np.argsort(-np.bincount(parts), kind="stable")[:MOST_OPENED]:
+        one = thin[parts == part]
+        faces = [np.delete(rows[one], i, axis=1) for i in range(found.dim + 1)]
+        ends = np.concatenate(faces)
+        ends = ends[mark_rows(ends, rim, len(found.own))]
+        if len(ends) < 2 or _core.face_sets(ends).max() == 0:
+            continue
+        removed = np.zeros(len(rows), dtype=bool)
+        removed[one] = True
+        if _changes(found, removed):
+            strips.append(rows[one])
+    if strips:
+        yield _Sign(
+            True,
+            f"{_count(len(strips), 'strip')} without a sample inside, next to a hole "
+            "that was left open: what it joins may be apart",
+            np.unique(np.concatenate([rows.ravel() for rows in strips])).astype(
+                np.int64
+            ),
         )
 
 

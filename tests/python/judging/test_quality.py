@@ -352,6 +352,16 @@ def test_an_opening_that_chance_could_have_left_is_named():
     assert sure.quality.ok, str(sure.quality)
 
 
+@pytest.mark.parametrize(("seed", "joined"), [(12, True), (3, False), (4, False)])
+def test_strips_between_two_sheets_are_told(seed, joined):
+    flat = np.random.default_rng(seed).random((1000, 2))
+    height = np.where(np.arange(1000) % 2, 3.2 / math.sqrt(500), 0)
+    rec = reconstruct(np.c_[flat, height], 2)
+    assert (rec.topology().betti_numbers != (2, 0, 0)) == joined
+    assert ("strip" in str(rec.quality)) == joined
+    assert rec.quality.ok != joined
+
+
 def test_noise_is_no_reason():
     points = datasets.sphere(1500, random_state=0)
     moves = np.random.default_rng(1).normal(0, 0.15 * 0.1, 1500)  # 0.15 spacings
