@@ -66,14 +66,15 @@ TEST(CurveRepair, JoinsEndsThatHaveADenserPartBetweenThem) {
   const testing::Cloud dense = Curve::circle(24);
   const double half = std::acos(-1.0) / 30;  // angle from an end to the middle
   for (Index i = 0; i < 24; ++i) {
-    cloud.points.push_back(0.95 * std::cos(half) + 0.03 * dense.points[2 * i]);
-    cloud.points.push_back(-0.95 * std::sin(half) + 0.03 * dense.points[2 * i + 1]);
+    cloud.points.push_back(0.83 * std::cos(half) + 0.015 * dense.points[2 * i]);
+    cloud.points.push_back(-0.83 * std::sin(half) + 0.015 * dense.points[2 * i + 1]);
   }
   std::vector<Index> edges = path(0, 30);
   const std::vector<Index> loop = path(30, 54);
   edges.insert(edges.end(), loop.begin(), loop.end());
   edges.insert(edges.end(), {30, 53});
-  const SimplexArray repaired = Curve(cloud).repaired(edges, 1e5);
+  // Less than what it would cost to lead the curve through the loop.
+  const SimplexArray repaired = Curve(cloud).repaired(edges, 800);
   const Topology topology = compute_topology(repaired, 54);
   EXPECT_TRUE(topology.closed);
   EXPECT_EQ(topology.components, 2);
