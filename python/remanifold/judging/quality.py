@@ -265,6 +265,7 @@ MOST_FOLD = 176.0  # degrees that noise may account for, with the limit itself
 MOST_NOISE = 0.2  # over the spacing, beyond which it is no longer told from sparsity
 MANY_OUTLIERS = 0.05  # share of the samples
 MOST_STRAY = 128  # of them that tell which dimension they fill
+STRAY_ERRORS = 2.0  # standard errors by which it is more than that of the manifold
 FEW = 20_000  # samples among which crossings are looked for without a sign
 LONG_EDGE = 1.2  # spacings
 MOST_LONG_EDGES = 50  # that are looked at
@@ -726,14 +727,14 @@ def _edges_among(
 
 
 def _num_stray(rec: ReconstructionData) -> int:
-    """Outliers, if they rather fill K + 1 dimensions than K, as a part would; else 0."""
+    """Outliers, if they fill more dimensions than a part of the manifold does, else 0."""
     out = rec.outliers.astype(np.int64)
     own = out[rec.representatives[out] == out]
     # Few of many, since at their own spacing even samples with noise fill space.
     some = own[np.linspace(0, len(own) - 1, min(len(own), MOST_STRAY)).astype(np.int64)]
-    # At this dimension both are as likely.
-    even = 1 / math.log1p(1 / rec.dim)
-    return len(own) if _dimension_of(rec._source, some) > even else 0
+    dim = _dimension_of(rec._source, some)
+    error = dim / math.sqrt(max(1, len(some)))
+    return len(own) if dim - STRAY_ERRORS * error > rec.dim else 0
 
 
 def _outliers(rec: ReconstructionData) -> Iterator[_Sign]:
