@@ -17,6 +17,8 @@ namespace {
 /// longest edge among them: two gaps of three spacings each, there and back, are a chance
 /// of e^-6.
 constexpr double kOnItsOwn = 3;
+/// So many pairs of ends for each sample are compared beyond the neighborhoods.
+constexpr Offset kPairsPerSample = 10;
 
 class CurveRepair {
  public:
@@ -34,47 +36,35 @@ class CurveRepair {
   }
 
   void join_ends(Index smallest_loop) {
-    struct Join {
-      double energy;
-      Index a, b;
-      bool operator<(const Join& other) const {
-        return std::tie(energy, a, b) < std::tie(other.energy, other.a, other.b);
-      }
-    };
     std::vector<Join> joins;
     for (Index a = 0; a < samples_.size(); ++a) {
-      if (degree(a) == 2) {
-        continue;
-      }
-      for (Index k = 0; k < neighborhoods_.count; ++k) {
-        const Index b = neighborhoods_.of(a)[k];
-        // Of two that have each other among their neighbors, once.
-        if (degree(b) == 2 || next_[a][0] == b) {
-          continue;
-        }
-        const double energy = energy_of(a, b);
-        if (energy < price_(&a) + price_(&b)) {
-          joins.push_back({energy, std::min(a, b), std::max(a, b)});
-        }
+      for (Index k = 0; degree(a) < 2 && k < neighborhoods_.count; ++k) {
+        consider(a, neighborhoods_.of(a)[k], joins);
       }
     }
-    std::sort(joins.begin(), joins.end());
-    // Short paths are closed only if nothing else is left to them.
-    for (const bool close_short : {false, true}) {
-      for (const Join& join : joins) {
-        if (degree(join.a) == 2 || degree(join.b) == 2 || next_[join.a][0] == join.b) {
-          continue;
-        }
-        const Index length = path_length(join.a, join.b);
-        if (length == 0 && (stays_away(join.a, join.b, smallest_loop) ||
-                            stays_away(join.b, join.a, smallest_loop))) {
-          continue;
-        }
-        if (length == 0 || length >= smallest_loop || (close_short && length > 2)) {
-          link(join.a, join.b);
-        }
+    join(joins, smallest_loop);
+  }
+
+  /// Another, denser part may be nearer to an end than the other end is: where nothing near
+  /// continues them the few ends that are left are all compared.
+  void join_far_ends(Index smallest_loop) {
+    std::vector<Index> ends;
+    for (Index a = 0; a < samples_.size(); ++a) {
+      if (degree(a) == 1) {
+        ends.push_back(a);
       }
     }
+    const auto count = static_cast<Offset>(ends.size());
+    if (count * count > kPairsPerSample * samples_.size()) {
+      return;
+    }
+    std::vector<Join> joins;
+    for (Offset i = 0; i < count; ++i) {
+      for (Offset j = i + 1; j < count; ++j) {
+        consider(ends[i], ends[j], joins);
+      }
+    }
+    join(joins, smallest_loop);
   }
 
   /// Puts paths whose ends find no others between two neighbors on another curve.
@@ -141,6 +131,45 @@ class CurveRepair {
   }
 
  private:
+  struct Join {
+    double energy;
+    Index a, b;
+    bool operator<(const Join& other) const {
+      return std::tie(energy, a, b) < std::tie(other.energy, other.a, other.b);
+    }
+  };
+
+  /// Of two ends that have each other among their neighbors, once.
+  void consider(Index a, Index b, std::vector<Join>& joins) const {
+    if (degree(b) == 2 || next_[a][0] == b) {
+      return;
+    }
+    const double energy = energy_of(a, b);
+    if (energy < price_(&a) + price_(&b)) {
+      joins.push_back({energy, std::min(a, b), std::max(a, b)});
+    }
+  }
+
+  void join(std::vector<Join>& joins, Index smallest_loop) {
+    std::sort(joins.begin(), joins.end());
+    // Short paths are closed only if nothing else is left to them.
+    for (const bool close_short : {false, true}) {
+      for (const Join& next : joins) {
+        if (degree(next.a) == 2 || degree(next.b) == 2 || next_[next.a][0] == next.b) {
+          continue;
+        }
+        const Index length = path_length(next.a, next.b);
+        if (length == 0 && (stays_away(next.a, next.b, smallest_loop) ||
+                            stays_away(next.b, next.a, smallest_loop))) {
+          continue;
+        }
+        if (length == 0 || length >= smallest_loop || (close_short && length > 2)) {
+          link(next.a, next.b);
+        }
+      }
+    }
+  }
+
   int degree(Index v) const { return (next_[v][0] >= 0) + (next_[v][1] >= 0); }
 
   void link(Index a, Index b) {
@@ -283,6 +312,7 @@ void repair_curves(const Samples& samples, const Neighborhoods& neighborhoods,
   CurveRepair repair(samples, neighborhoods, scales, price, edges);
   repair.join_ends(smallest_loop);
   repair.insert_paths(smallest_loop, execution);
+  repair.join_far_ends(smallest_loop);
   repair.merge_loops(smallest_loop, execution);
   edges = repair.finish();
 }

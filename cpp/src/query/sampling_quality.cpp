@@ -17,8 +17,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 namespace remanifold {
 namespace {
@@ -41,6 +43,12 @@ constexpr double kOutside = -0.1;
 /// Samples nearer than h are joined by so many edges where the result is fine. On curves h
 /// spans ten neighbors.
 constexpr int hops(int dim) { return dim == 1 ? 12 : 3; }
+/// Distance along a manifold over that in space, up to twice the reach (Boissonnat,
+/// Lieutier and Wintraecken, The reach, metric distortion, geodesic convexity and the
+/// variation of tangent spaces, 2019).
+constexpr double kLongestWay = kPi / 2;
+/// Samples that are looked at on ways as short.
+constexpr std::size_t kMostOnWay = 256;
 
 using Factors = detail::SymmetricFactors<Eigen::Dynamic, kMaxDim>;
 using Small = Factors::Matrix;
@@ -422,11 +430,40 @@ class QualityKernel {
       front_.swap(next_);
     }
     for (const Neighbor& neighbor : unreached_) {
-      if (seen_[neighbor.index] != x) {
+      if (seen_[neighbor.index] != x && !has_short_way(x, neighbor)) {
         out.nearest_strange[x] = std::sqrt(neighbor.squared_distance);
         return;
       }
     }
+  }
+
+  /// Whether edges lead from x to a neighbor on a way no longer than on a manifold with
+  /// more reach than half their distance: many short ones where samples lie in rows.
+  bool has_short_way(Index x, const Neighbor& neighbor) {
+    const Csr& adjacent = result_.adjacent;
+    const double most = kLongestWay * std::sqrt(neighbor.squared_distance);
+    ways_.assign(1, {0, x});
+    settled_.clear();
+    while (!ways_.empty() && settled_.size() < kMostOnWay) {
+      std::pop_heap(ways_.begin(), ways_.end(), std::greater<>());
+      const auto [length, v] = ways_.back();
+      ways_.pop_back();
+      if (v == neighbor.index) {
+        return true;
+      }
+      if (std::find(settled_.begin(), settled_.end(), v) != settled_.end()) {
+        continue;
+      }
+      settled_.push_back(v);
+      for (const Index* w = adjacent.begin(v); w != adjacent.end(v); ++w) {
+        const double way = length + std::sqrt(samples_.squared_distance(v, *w));
+        if (way + std::sqrt(samples_.squared_distance(*w, neighbor.index)) <= most) {
+          ways_.emplace_back(way, *w);
+          std::push_heap(ways_.begin(), ways_.end(), std::greater<>());
+        }
+      }
+    }
+    return false;
   }
 
   /// Whether two samples are joined by an edge or have a neighbor in common.
@@ -496,7 +533,9 @@ class QualityKernel {
   Small gram_;
   std::vector<Offset> numbers_;
   std::vector<Neighbor> unreached_;
-  std::vector<Index> seen_;  // by whom last
+  std::vector<Index> seen_;                     // by whom last
+  std::vector<std::pair<double, Index>> ways_;  // their length and end, as a heap
+  std::vector<Index> settled_;
   std::vector<Index> front_;
   std::vector<Index> next_;
 };

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import functools
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
@@ -271,6 +272,8 @@ MANY_OUTLIERS = 0.05  # share of the samples
 # A line of samples with a surface through it: this share of them and more inside of that,
 # where it bends by no more degrees.
 COVERED, SMOOTH_FOLD = 0.5, 60.0
+MOST_STRAY = 128  # of them that tell which dimension they fill
+STRAY_ERRORS = 2.0  # standard errors by which it is more than that of the manifold
 FEW = 20_000  # samples among which crossings are looked for without a sign
 LONG_EDGE = 1.2  # spacings
 MOST_LONG_EDGES = 50  # that are looked at
@@ -281,10 +284,9 @@ MOST_OPENED = 10  # closed places that are taken out to see what that does
 # the results that are right are doubted for it. Joints are in doubt in any case.
 RARE_GAP = 0.04
 SURE = 0.1  # of the significance, below which an opening is beyond doubt
-# What has one peak and is symmetric has a kurtosis of 9/5 at least: that of even noise
-# within limits. Two layers have 1. Known up to so many standard errors.
-LEAST_KURTOSIS = 1.8
-TWO_LAYERS_ERRORS = 3.0
+NORMAL_QUARTILES = 1.349  # standard deviations between them
+LAYERS_SHARE = 0.75  # of the samples, those nearest to the middle
+LAYERS_ERRORS = 3.0  # standard errors from which on too few samples lie in the middle
 NO_NOISE = 1e-3  # chance that normal noise moves any sample so far
 LEAST_GAPS = 30  # samples from which the evenness is judged
 MUCH_LEFT = 0.15  # of the spacing: noise that makes samples propose other simplices
@@ -384,12 +386,7 @@ def assess(rec: ReconstructionData) -> Quality:
         noise=_noise(scatter[seen.own], wide_scatter[seen.own], rec.dim),
     )
     signs = sorted(_signs(findings), key=lambda sign: not sign.strong)
-    if len(rec.outliers) > MANY_OUTLIERS * rec.num_samples:
-        text = (
-            f"{_count(len(rec.outliers), 'sample')} were left out as outliers: stray, or "
-            "the sampling is too sparse there"
-        )
-        signs.append(_Sign(True, text, rec.outliers.astype(np.int64)))
+    signs += _outliers(rec)
     if signs or findings.num_samples <= FEW:
         signs = [*_singularities(rec, findings, source), *signs]
     if not any(sign.strong for sign in signs) and len(signs) < 2:
@@ -572,6 +569,7 @@ def _signs(found: _Findings) -> Iterator[_Sign]:
         yield from _openings(found)
         yield from _close_decisions(found)
         yield from _necks(found)
+        yield from _strips(found)
         yield from _bridges(found)
         yield from _parts(found)
         yield from _disputes(found)
@@ -675,36 +673,130 @@ def _no_noise(rec: ReconstructionData) -> Iterator[_Sign]:
     """What smoothing took for noise though noise does not lie like that."""
     assert rec.smoothing is not None
     residuals = rec.residuals
-    kept = np.ones(rec.num_samples, dtype=bool)
-    kept[rec.left_out] = False
     if residuals is None or rec.ambient_dim is None or not rec.smoothing.noise > 0:
         return
-    squares = (residuals[kept] / rec.smoothing.noise) ** 2
-    normals = max(1, rec.ambient_dim - rec.dim)
-    mean = float(squares.mean()) if len(squares) else 0.0
-    if normals == 1 and mean > 0:
-        kurtosis = float((squares**2).mean()) / mean**2
-        error = float((squares**2).std()) / mean**2 / math.sqrt(len(squares))
-        if kurtosis + TWO_LAYERS_ERRORS * error < LEAST_KURTOSIS:
-            yield _Sign(
-                True,
-                "smoothing has joined two layers: no noise about one leaves so few "
-                "samples in the middle; smooth=False keeps them apart",
-                np.flatnonzero(kept).astype(np.int64),
-            )
-    # Squares of normal noise over all normal directions are above this with a chance of
-    # e^-x each (Laurent and Massart, 2000).
-    x = math.log(max(len(squares), 1) / NO_NOISE)
-    most = (normals + 2 * math.sqrt(normals * x) + 2 * x) / normals
-    far = np.flatnonzero(kept)[squares > most]
-    if len(far):
+    smoothed = np.ones(rec.num_samples, dtype=bool)
+    smoothed[rec.outliers] = smoothed[rec.invalid] = False
+    if not smoothed.any():
+        return
+    squares = (residuals / rec.smoothing.noise) ** 2
+    normals = _normal_directions(squares[smoothed], rec.ambient_dim - rec.dim)
+    if _has_layers(squares[smoothed], normals):
         yield _Sign(
             True,
-            f"smoothing moved {_count(len(far), 'sample')} by more than noise explains, "
-            f"up to {math.sqrt(float(squares.max())):.1f} times as far as the others: "
-            "another part of the manifold is near, or it bends or ends there",
-            far.astype(np.int64),
+            "smoothing has joined two layers: no noise about one leaves so few "
+            "samples in the middle; smooth=False keeps them apart",
+            np.flatnonzero(smoothed).astype(np.int64),
         )
+    # Squares of normal noise over all normal directions are above this with a chance of
+    # e^-x each (Laurent and Massart, 2000).
+    smoothed[rec.attached] = False
+    x = math.log(rec.num_samples / NO_NOISE)
+    most = (normals + 2 * math.sqrt(normals * x) + 2 * x) / normals
+    far = smoothed & (squares > most)
+    beyond = _groups(rec.simplices, far, rec.dim + 2)
+    if len(beyond):
+        most_moved = math.sqrt(float(squares[beyond].max()))
+        yield _Sign(
+            True,
+            f"smoothing moved {_count(len(beyond), 'sample')} by more than noise "
+            f"explains, up to {most_moved:.1f} times as far as the others: another part "
+            "of the manifold is near, or it bends or ends there",
+            beyond,
+        )
+
+
+def _normal_directions(squares: NDArray[np.float64], most: int) -> float:
+    """Directions of the noise, which may be fewer than those normal to the manifold.
+
+    Samples in many coordinates seldom have noise in all of them. The cube root of a sum of
+    c squares of normal variables is nearly normal, with a variance of v = 2 / (9 c) over
+    the square of its mean 1 - v (Wilson and Hilferty, 1931); quartiles do not heed what is
+    no noise.
+    """
+    low, middle, high = np.quantile(np.cbrt(squares), [0.25, 0.5, 0.75])
+    if not middle > 0:
+        return 1.0
+    ratio = ((high - low) / (NORMAL_QUARTILES * middle)) ** 2
+    # v / (1 - v)^2 = ratio, without cancellation
+    v = 2 * ratio / (2 * ratio + 1 + math.sqrt(4 * ratio + 1))
+    told = 2 / (9 * v) if v > 0 else math.inf
+    return float(min(max(1.0, told), max(1, most)))
+
+
+def _has_layers(squares: NDArray[np.float64], normals: float) -> bool:
+    """Whether samples lie more often at some distance from the middle than in it.
+
+    Noise in c directions with its peak in the middle has a density that falls with the
+    distance to the power of c (Olshen and Savage, 1970): of the samples up to any
+    distance half or more lie within half of this power.
+    """
+    inner = np.sort(squares)[: math.ceil(LAYERS_SHARE * len(squares))]
+    within = np.count_nonzero(inner <= inner[-1] * 0.5 ** (2 / normals))
+    fewest = len(inner) / 2 - LAYERS_ERRORS * math.sqrt(len(inner)) / 2
+    return bool(within < fewest)
+
+
+def _groups(
+    simplices: NDArray[np.int32], marked: NDArray[np.bool_], least: int
+) -> NDArray[np.int64]:
+    """Marked samples in sets that simplices connect, of so many of them or more.
+
+    A part of a manifold has K + 2 at least, a stray sample is alone.
+    """
+    labels = _core.component_labels(_edges_among(simplices, marked), len(marked))
+    together = np.flatnonzero(marked & (labels >= 0))
+    sizes = np.bincount(labels[together], minlength=1)
+    return together[sizes[labels[together]] >= least].astype(np.int64)
+
+
+def _edges_among(
+    simplices: NDArray[np.int32], marked: NDArray[np.bool_]
+) -> NDArray[np.int32]:
+    """Edges between marked samples, each once."""
+    rows = np.sort(simplices[np.count_nonzero(marked[simplices], axis=1) >= 2], axis=1)
+    pairs = itertools.combinations(range(simplices.shape[1]), 2)
+    edges = np.concatenate([rows[:, pair] for pair in pairs])
+    return np.unique(edges[marked[edges].all(axis=1)], axis=0)
+
+
+def _num_stray(rec: ReconstructionData) -> int:
+    """Outliers, if they fill more dimensions than a part of the manifold does, else 0."""
+    out = rec.outliers.astype(np.int64)
+    own = out[rec.representatives[out] == out]
+    # Few of many, since at their own spacing even samples with noise fill space.
+    some = own[np.linspace(0, len(own) - 1, min(len(own), MOST_STRAY)).astype(np.int64)]
+    dim = _dimension_of(rec._source, some)
+    error = dim / math.sqrt(max(1, len(some)))
+    return len(own) if dim - STRAY_ERRORS * error > rec.dim else 0
+
+
+def _outliers(rec: ReconstructionData) -> Iterator[_Sign]:
+    """Many samples that were left out and may be a part of the manifold."""
+    out = rec.outliers.astype(np.int64)
+    if len(out) > MANY_OUTLIERS * rec.num_samples and _num_stray(rec) == 0:
+        yield _Sign(
+            True,
+            f"{_count(len(out), 'sample')} were left out as outliers: stray, or the "
+            "sampling is too sparse there",
+            out,
+        )
+
+
+def _dimension_of(samples: Input, some: NDArray[np.int64]) -> float:
+    """Dimension that a few of the samples fill, 0 where that cannot be told.
+
+    By the ratios of the distances to the second and to the first nearest, whose logarithms
+    are exponential with the dimension as their rate (Facco et al., 2017).
+    """
+    if len(some) < 3:
+        return 0.0
+    squares = samples.squared_distances(some[:, None], some[None, :])
+    np.fill_diagonal(squares, np.inf)
+    nearest = np.partition(squares, 1, axis=1)[:, :2]
+    nearest = nearest[nearest[:, 0] > 0]
+    total = float(np.log(nearest[:, 1] / nearest[:, 0]).sum()) / 2
+    return len(nearest) / total if total > 0 else 0.0
 
 
 def _too_few(found: _Findings) -> Iterator[_Sign]:
@@ -840,6 +932,8 @@ def _folds(found: _Findings) -> Iterator[_Sign]:
         least = min(MOST_FOLD, angle + excused)
         folded = found.where(found.fold > least)
         if len(folded) >= number:
+            folded = _without_stray(found, folded)
+        if len(folded) >= number:
             yield _Sign(
                 strong,
                 f"the result folds back by more than {least:.0f} degrees at "
@@ -848,6 +942,29 @@ def _folds(found: _Findings) -> Iterator[_Sign]:
                 _growth_by_ratio(found, folded),
             )
             return
+
+
+def _without_stray(found: _Findings, folded: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Folds without those around one sample each, as near ones of stray samples make.
+
+    Where no more of these are than stray samples were left out.
+    """
+    marked = np.zeros(len(found.own), dtype=bool)
+    marked[folded] = True
+    edges = _edges_among(found.simplices, marked)
+    labels = _core.component_labels(edges, len(marked))
+    alone = labels[folded] < 0
+    number = labels[folded[~alone]]
+    sizes = np.bincount(number, minlength=1)
+    degrees = np.bincount(edges.ravel(), minlength=len(marked))
+    hubs = folded[~alone][degrees[folded[~alone]] == sizes[number] - 1]
+    around_one = np.zeros(len(sizes), dtype=bool)
+    around_one[labels[hubs]] = True
+    stray = int(np.count_nonzero(alone) + np.count_nonzero(around_one))
+    if stray == 0 or stray > _num_stray(found.rec):
+        return folded
+    alone[~alone] = around_one[number]
+    return folded[~alone]
 
 
 def _gaps(found: _Findings) -> Iterator[_Sign]:
@@ -992,6 +1109,46 @@ def _necks(found: _Findings) -> Iterator[_Sign]:
             f"{_count(len(necks), 'neck')} without a sample inside: what it joins may "
             "be apart; more samples there would tell",
             samples,
+        )
+
+
+def _strips(found: _Findings) -> Iterator[_Sign]:
+    """Simplices between samples around an open place that reach from rim to rim.
+
+    No sample lies in them, as none does in the place, which may go on there.
+    """
+    open_holes = [
+        opening
+        for opening in found.openings
+        if opening.kind == "hole" and opening.decision == "open"
+    ]
+    if not open_holes or len(found.repair.open_faces) == 0:
+        return
+    around = found.on_rim.copy()
+    around[_samples_of(open_holes)] = True
+    rows, rim = found.rows, np.sort(found.repair.open_faces, axis=1)
+    thin = np.flatnonzero(around[rows].all(axis=1))
+    parts = _core.face_sets(rows[thin]) if len(thin) else np.empty(0, np.int64)
+    strips = []
+    for part in np.argsort(-np.bincount(parts), kind="stable")[:MOST_OPENED]:
+        one = thin[parts == part]
+        faces = [np.delete(rows[one], i, axis=1) for i in range(found.dim + 1)]
+        ends = np.concatenate(faces)
+        ends = ends[mark_rows(ends, rim, len(found.own))]
+        if len(ends) < 2 or _core.face_sets(ends).max() == 0:
+            continue
+        removed = np.zeros(len(rows), dtype=bool)
+        removed[one] = True
+        if _changes(found, removed):
+            strips.append(rows[one])
+    if strips:
+        yield _Sign(
+            True,
+            f"{_count(len(strips), 'strip')} without a sample inside, next to a hole "
+            "that was left open: what it joins may be apart",
+            np.unique(np.concatenate([rows.ravel() for rows in strips])).astype(
+                np.int64
+            ),
         )
 
 

@@ -26,6 +26,7 @@ struct Curve {
   }
 
   explicit Curve(Index n) : given(circle(n)) {}
+  explicit Curve(const testing::Cloud& cloud) : given(cloud) {}
 
   SimplexArray repaired(std::vector<Index> edges, double price) const {
     const NeighborSearch search(given.samples);
@@ -58,6 +59,26 @@ TEST(CurveRepair, JoinsEndsWhereOpenOnesCostMore) {
   const Curve curve(30);
   EXPECT_TRUE(is_circle(curve.repaired(path(0, 30), 1e5), 30));
   EXPECT_EQ(curve.repaired(path(0, 30), 0).size(), 29);
+}
+
+TEST(CurveRepair, JoinsEndsThatHaveADenserPartBetweenThem) {
+  testing::Cloud cloud = Curve::circle(30);
+  const testing::Cloud dense = Curve::circle(24);
+  const double half = std::acos(-1.0) / 30;  // angle from an end to the middle
+  for (Index i = 0; i < 24; ++i) {
+    cloud.points.push_back(0.83 * std::cos(half) + 0.015 * dense.points[2 * i]);
+    cloud.points.push_back(-0.83 * std::sin(half) + 0.015 * dense.points[2 * i + 1]);
+  }
+  std::vector<Index> edges = path(0, 30);
+  const std::vector<Index> loop = path(30, 54);
+  edges.insert(edges.end(), loop.begin(), loop.end());
+  edges.insert(edges.end(), {30, 53});
+  // Less than what it would cost to lead the curve through the loop.
+  const SimplexArray repaired = Curve(cloud).repaired(edges, 800);
+  const Topology topology = compute_topology(repaired, 54);
+  EXPECT_TRUE(topology.closed);
+  EXPECT_EQ(topology.components, 2);
+  EXPECT_EQ(repaired.size(), 54);
 }
 
 TEST(CurveRepair, MergesTinyLoops) {

@@ -352,6 +352,16 @@ def test_an_opening_that_chance_could_have_left_is_named():
     assert sure.quality.ok, str(sure.quality)
 
 
+@pytest.mark.parametrize(("seed", "joined"), [(12, True), (3, False), (4, False)])
+def test_strips_between_two_sheets_are_told(seed, joined):
+    flat = np.random.default_rng(seed).random((1000, 2))
+    height = np.where(np.arange(1000) % 2, 3.2 / math.sqrt(500), 0)
+    rec = reconstruct(np.c_[flat, height], 2)
+    assert (rec.topology().betti_numbers != (2, 0, 0)) == joined
+    assert ("strip" in str(rec.quality)) == joined
+    assert rec.quality.ok != joined
+
+
 def test_noise_is_no_reason():
     points = datasets.sphere(1500, random_state=0)
     moves = np.random.default_rng(1).normal(0, 0.15 * 0.1, 1500)  # 0.15 spacings
@@ -386,6 +396,44 @@ def test_layers_are_no_noise(seed):
     assert joined.topology().components == 1
     assert "joined two layers" in str(joined.quality)
     assert not joined.quality.ok
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_layers_with_noise_are_told(seed):
+    points = two_segments(np.random.default_rng(seed), 3.0, 0.5)
+    joined = reconstruct(points, 1, smooth=True)
+    assert joined.topology().components == 1
+    assert "joined two layers" in str(joined.quality)
+
+
+@pytest.mark.parametrize("normals", [1, 2, 5])
+def test_directions_of_noise(normals):
+    squares = (np.random.default_rng(0).normal(size=(4000, normals)) ** 2).sum(axis=1)
+    squares[:200] *= 100  # what is no noise
+    found = quality._normal_directions(squares, 10)
+    assert found == pytest.approx(normals, rel=0.15)
+    assert quality._normal_directions(squares, 1) == 1
+
+
+@pytest.mark.parametrize("normals", [1, 2, 5])
+def test_one_peak_is_no_layers(normals):
+    rng = np.random.default_rng(normals)
+    vectors = rng.normal(size=(4000, normals))
+    one = (vectors**2).sum(axis=1)
+    assert not quality._has_layers(one, normals)
+    flat = rng.random(4000) ** (2 / normals)  # evenly in a ball
+    assert not quality._has_layers(flat, normals)
+    vectors[:, 0] += 2 * normals * rng.choice([-1, 1], 4000)
+    assert quality._has_layers((vectors**2).sum(axis=1), normals)
+
+
+def test_noise_in_fewer_directions_than_coordinates():
+    points = datasets.trefoil(700, random_state=1)
+    spacing = np.median(rm.neighborhoods(points, 1).distances)
+    points += spacing * np.random.default_rng(0).normal(size=points.shape)
+    rec = reconstruct(datasets.embed(points, 35, random_state=0), 1)
+    assert rec.smoothing.moved
+    assert "moved" not in str(rec.quality)
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -539,5 +587,44 @@ def test_outliers_have_no_values():
     alone = reconstruct(points[kept], 2).quality
     np.testing.assert_allclose(q.spacing[kept], alone.spacing)
     np.testing.assert_allclose(q.fold[kept], alone.fold)
-    many = np.vstack([points[:900], rng.uniform(-2, 2, (90, 3))])
-    assert "left out as outliers" in str(reconstruct(many, 2).quality)
+
+
+def test_clutter_is_no_reason_but_what_may_be_a_part_is():
+    sphere = datasets.sphere(900, random_state=0)
+    clutter = np.random.default_rng(0).uniform(-2, 2, (90, 3))
+    rec = reconstruct(np.vstack([sphere, clutter]), 2)
+    assert len(rec.outliers) > 0.05 * 990
+    assert rec.quality.ok, str(rec.quality)
+    # As many on a second sphere are a part of a surface.
+    part = 3 * datasets.sphere(60, random_state=2)
+    rec = reconstruct(np.vstack([sphere, part]), 2)
+    assert len(rec.outliers) == 60
+    assert "60 samples were left out as outliers" in str(rec.quality)
+
+
+@pytest.mark.parametrize("dim", [1, 2, 3])
+def test_dimension_that_samples_fill(dim):
+    cube = np.pad(np.random.default_rng(dim).random((128, dim)), [(0, 0), (0, 5 - dim)])
+    cube[0] = cube[1]
+    samples = Points(cube)
+    found = quality._dimension_of(samples, np.arange(128))
+    assert abs(found - dim) < 2.5 * dim / math.sqrt(126)
+
+
+def test_folds_around_single_samples_are_no_reason_among_stray_ones():
+    clutter = np.random.default_rng(0).uniform(-1.4, 1.4, (70, 3))
+    points = np.vstack([datasets.torus(700, random_state=0), clutter])
+    rec = reconstruct(points, 2)
+    assert rec.topology().betti_numbers == (1, 2, 1)
+    assert np.count_nonzero(rec.quality.fold > 130) >= 4
+    assert rec.quality.ok, str(rec.quality)
+
+
+def test_samples_in_rows_are_not_far_along_the_result():
+    rng = np.random.default_rng(0)
+    y, x = np.meshgrid(np.arange(15) / 15, np.arange(75) / 75, indexing="ij")
+    x = x + rng.uniform(-0.2, 0.2, x.shape) / 75
+    height = 0.1 * np.sin(7 * x) * np.cos(5 * y)
+    rec = reconstruct(np.stack([x, y, height], axis=-1).reshape(-1, 3), 2)
+    assert rec.topology().betti_numbers == (1, 0, 0)
+    assert "far along" not in str(rec.quality)
