@@ -558,6 +558,7 @@ def _noise(
 
 def _signs(found: _Findings) -> Iterator[_Sign]:
     """All signs, the plainest first. A new kind of doubt is one more line here."""
+    yield from _out_of_time(found)
     few = list(_too_few(found))
     yield from few
     if not few:
@@ -797,6 +798,17 @@ def _dimension_of(samples: Input, some: NDArray[np.int64]) -> float:
     nearest = nearest[nearest[:, 0] > 0]
     total = float(np.log(nearest[:, 1] / nearest[:, 0]).sum()) / 2
     return len(nearest) / total if total > 0 else 0.0
+
+
+def _out_of_time(found: _Findings) -> Iterator[_Sign]:
+    number = found.repair.num_out_of_time
+    if number:
+        yield _Sign(
+            True,
+            f"max_seconds were over before {_count(number, 'program')} of cavities: "
+            "what they would have filled is open",
+            np.unique(found.repair.open_faces).astype(np.int64),
+        )
 
 
 def _too_few(found: _Findings) -> Iterator[_Sign]:

@@ -145,6 +145,16 @@ def expected_seconds(
     return rate
 
 
+def largest_patch(dim: int) -> int:
+    """Samples of the largest that is tried."""
+    return max(_PATCHES.get(dim, (0,)))
+
+
+def least_seconds(expected: float, dim: int) -> float:
+    """What it has never taken less than, of what was expected."""
+    return expected / _FASTER[dim > 3]
+
+
 def typical_samples(ambient_dim: int, dim: int) -> Floats:
     """Samples to try where none are given: a sphere, or a cube where K = D."""
     size = max(_PATCHES.get(dim, (1,)))
@@ -173,6 +183,22 @@ def forecast_of(
         bytes=middle(memory),
         bytes_between=memory or (math.nan, math.nan),
     )
+
+
+def refuse_late(seconds: float, least: float, num_samples: int, dim: int) -> None:
+    """Refuse what cannot be done in this time, by the least that is expected.
+
+    Raises
+    ------
+    TimeoutError
+        That is longer.
+    """
+    if least > seconds:
+        msg = (
+            f"max_seconds is {seconds:g}, and {num_samples:,} samples with dim={dim} take "
+            f"{least:.2g} at least: give fewer samples, or more time"
+        )
+        raise TimeoutError(msg)
 
 
 def check_memory(

@@ -93,6 +93,8 @@ class Repair(ReadOnlyArrays):
         candidates that the largest of all chose from.
     num_unsolved : int
         Programs without a solution within the solver's limits.
+    num_out_of_time : int
+        Those of them that `max_seconds` left no time for.
     hole_size : float
         Manifold method: the same in the units of the samples, where the local scale is
         the median of all.
@@ -124,6 +126,7 @@ class Repair(ReadOnlyArrays):
     cut_vertices: NDArray[np.int32] = field(
         default_factory=lambda: np.empty(0, dtype=np.int32)
     )
+    num_out_of_time: int = 0
 
     def __repr__(self) -> str:
         manifold = self.method == "manifold"

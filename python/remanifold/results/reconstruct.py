@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import functools
+import os
 import warnings
 from typing import TYPE_CHECKING, Any
 
@@ -24,9 +25,16 @@ from remanifold.complex.projection import project
 from remanifold.formats.writing import check_fields
 from remanifold.judging.quality import doubts_at_once, looks_like_a_boundary
 from remanifold.method.cleaning import as_points, smoothing_of
+from remanifold.method.deadline import Deadline
 from remanifold.method.dimension import find_dimension, other_dimension
 from remanifold.method.dropping import INVALID, filled, finite_rows, number_as_given
-from remanifold.method.forecast import check_memory
+from remanifold.method.forecast import (
+    check_memory,
+    expected_seconds,
+    largest_patch,
+    least_seconds,
+    refuse_late,
+)
 from remanifold.method.openings import openings_of
 from remanifold.method.options import CHECKS, Options
 from remanifold.method.programs import solve_program
@@ -55,6 +63,10 @@ if TYPE_CHECKING:
     Decisions = Sequence[tuple[NDArray[np.int32], bool]]
 
 
+# What takes as long as so many patches is tried by one before.
+MANY_PATCHES = 20
+
+
 def reconstruct(
     points: ArrayLike | None = None,
     dim: int | Literal["auto"] | None = None,
@@ -76,6 +88,7 @@ def reconstruct(
     checks: int = CHECKS,
     num_threads: int | None = None,
     max_memory: float | None = None,
+    max_seconds: float | None = None,
     progress: bool | Callback | None = None,
 ) -> Reconstruction:
     """Reconstruct a K-manifold from its samples.
@@ -138,6 +151,12 @@ def reconstruct(
     max_memory : float, optional
         Bytes that may be taken beyond the samples themselves: what `forecast` expects to
         take more is an error before any work. By default nothing is refused.
+    max_seconds : float, optional
+        Time that may be taken. When it is over in the last step the best manifold so far is
+        returned: cavities that need a program stay open, `Repair.num_out_of_time` counts
+        them, and the verdict says so. What needs no program is finished, in time linear in
+        N. Such a result depends on the machine. Before that step, or where `forecast`
+        expects no chance of getting there, it is an error.
     progress : bool or callable, optional
         True for a bar, or a function of (step, done, total).
 
@@ -154,6 +173,8 @@ def reconstruct(
         Not numbers; `dim` not an integer.
     MemoryError
         More memory than `max_memory` is to be expected.
+    TimeoutError
+        `max_seconds` are over before there is any simplex, or cannot do.
 
     Warns
     -----
@@ -215,6 +236,11 @@ def reconstruct(
         columns = samples.matrix.shape[1] if isinstance(samples, Points) else 0
         k = check_dim(dim, samples)
         check_memory(len(samples), columns, k, most, products=columns == 0)
+    deadline = None
+    if max_seconds is not None:
+        deadline = Deadline(check_positive(max_seconds, "max_seconds"))
+        k = check_dim(dim, samples)
+        _refuse_late(samples, k, deadline.seconds, threads or os.cpu_count() or 1)
     rec = reconstruct_samples(
         samples,
         dim,
@@ -224,6 +250,7 @@ def reconstruct(
         rows,
         count,
         found=found,
+        deadline=deadline,
         more={
             "invalid": Parameter(invalid, invalid != "raise"),
             "attributes": Parameter(", ".join(known) or None, bool(known)),
@@ -246,6 +273,7 @@ def reconstruct_samples(
     count: int | None = None,
     *,
     found: DimensionEstimate | None = None,
+    deadline: Deadline | None = None,
     more: Mapping[str, Parameter] | None = None,
     decisions: Decisions = (),
 ) -> Reconstruction:
@@ -267,6 +295,8 @@ def reconstruct_samples(
     choices = options.of_rows(rows, total).for_core(samples, k, decided)
     result: dict[str, Any]
     with progress_callback(progress) as callback:
+        if deadline is not None:
+            callback = deadline.watch(callback)
         if options.is_paper:
             result = _core.reconstruct_paper(
                 given, choices, num_threads=threads, progress=callback
@@ -275,7 +305,7 @@ def reconstruct_samples(
             result = _core.reconstruct(
                 given,
                 choices,
-                solve=solve_program,
+                solve=solve_program if deadline is None else deadline.solve,
                 on_other_dim=functools.partial(_warn_of_dimension, k),
                 num_threads=threads,
                 progress=callback,
@@ -327,6 +357,9 @@ def reconstruct_samples(
         for one in result["openings"]:
             if one["given"] and one["open"]:
                 reopened[one["samples"]] = True
+        result["repair"]["num_out_of_time"] = (
+            0 if deadline is None else deadline.num_left
+        )
         report = _finish_report(result["repair"], k, rule, mask, reopened)
         if len(result["simplices"]) == 0:
             warnings.warn(
@@ -449,6 +482,20 @@ def _warn_of_nonsense(rec: Reconstruction, samples: Input, options: Options) -> 
         )
 
 
+def _refuse_late(samples: Input, dim: int, seconds: float, threads: int) -> None:
+    """Before any work that would be in vain; a patch tells, where it is a small part."""
+    count = len(samples)
+    if isinstance(samples, Points) and count > MANY_PATCHES * largest_patch(dim):
+        expected = expected_seconds(samples.matrix, dim, _by_one_thread)
+        if expected is not None:
+            least = least_seconds(expected, dim) / threads
+            refuse_late(seconds, least, count, dim)
+
+
+def _by_one_thread(patch: NDArray[np.float64], dim: int) -> object:
+    return reconstruct(patch, dim, num_threads=1)
+
+
 def _warn(kind: type[Warning], text: str) -> None:
     warnings.warn(text, kind, stacklevel=4)
 
@@ -492,7 +539,11 @@ def _finish_report(
             (len(report["singular_vertices"]), "vertices without a proper link"),
             (holes, "holes where boundary= asks for none"),
             (len(beyond), "samples on rims that boundary= does not mark"),
-            (report["num_unsolved"], "cavities without a solution"),
+            (
+                report["num_unsolved"] - report["num_out_of_time"],
+                "cavities without a solution",
+            ),
+            (report["num_out_of_time"], "cavities for which there was no time"),
         )
         if number
     ]

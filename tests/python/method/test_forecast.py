@@ -12,6 +12,7 @@ import pytest
 
 import remanifold as rm
 from remanifold import _core
+from remanifold.method import deadline
 from remanifold.method.forecast import expected_bytes, expected_seconds
 
 TORUS = rm.datasets.torus(2000, random_state=0)
@@ -130,6 +131,54 @@ def test_what_does_not_fit_is_not_begun(monkeypatch):
         rm.reconstruct(gram=(gram + gram.T) / 2, dim=2, max_memory=1e7)
     with pytest.raises(ValueError, match="max_memory"):
         rm.reconstruct(TORUS, 2, max_memory=-1)
+
+
+def scattered(count=1500):
+    """Noise of a spacing, which takes many programs when it is not smoothed."""
+    points = rm.datasets.torus(count, random_state=0)
+    near = np.median(rm.neighborhoods(points, 1).distances)
+    return rm.datasets.add_noise(points, near, random_state=1)
+
+
+def test_what_is_out_of_time_is_open_and_said(monkeypatch):
+    """Time is over with the third program."""
+    asked = []
+    monkeypatch.setattr(
+        deadline.Deadline, "is_over", lambda _: asked.append(1) or len(asked) > 30
+    )
+    with pytest.warns(rm.ManifoldWarning, match="for which there was no time"):
+        rec = rm.reconstruct(scattered(), 2, smooth=False, max_seconds=100)
+    assert rec.repair.num_out_of_time > 0
+    assert rec.topology().manifold
+    assert len(rec.repair.open_faces) > 0
+    assert "max_seconds were over" in str(rec.quality)
+    assert rec.check().ok
+    whole = rm.reconstruct(scattered(), 2, smooth=False)
+    assert len(rec.simplices) < len(whole.simplices)
+
+
+def test_time_that_does_changes_nothing():
+    rec = rm.reconstruct(TORUS, 2, max_seconds=100)
+    assert rec.repair.num_out_of_time == 0
+    np.testing.assert_array_equal(rec.simplices, rm.reconstruct(TORUS, 2).simplices)
+
+
+def test_time_that_cannot_do_is_an_error(monkeypatch):
+    with pytest.raises(TimeoutError, match="max_seconds is 1e-09, which was over in"):
+        rm.reconstruct(rm.datasets.torus(60_000, random_state=0), 2, max_seconds=1e-9)
+    with pytest.raises(ValueError, match="max_seconds"):
+        rm.reconstruct(TORUS, 2, max_seconds=0)
+    many = rm.datasets.torus(100_000, random_state=0)
+    begun = []
+    real = _core.reconstruct
+    monkeypatch.setattr(
+        _core,
+        "reconstruct",
+        lambda s, *a, **k: begun.append(len(s)) or real(s, *a, **k),
+    )
+    with pytest.raises(TimeoutError, match="100,000 samples with dim=2 take"):
+        rm.reconstruct(many, 2, max_seconds=1e-3)
+    assert max(begun) < 10_000  # a patch
 
 
 LIMITED = """

@@ -23,7 +23,7 @@ FIELDS = {field.name: field.default for field in dataclasses.fields(Options)}
 # What reconstruct takes besides options.
 SAMPLES = {
     *("points", "dim", "gram", "distances", "attributes", "invalid"),
-    *("num_threads", "max_memory", "progress"),
+    *("num_threads", "max_memory", "max_seconds", "progress"),
 }
 
 
