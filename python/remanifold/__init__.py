@@ -55,7 +55,11 @@ from remanifold.page.report_page import write_report
 from remanifold.results.forecast import forecast
 from remanifold.results.reconstruct import reconstruct
 from remanifold.results.reconstruction import Reconstruction, load
-from remanifold.results.simplicial_complex import SimplicialComplex, Subcomplex
+from remanifold.results.simplicial_complex import (
+    SimplicialComplex,
+    SimplifiedComplex,
+    Subcomplex,
+)
 from remanifold.warnings import (
     DimensionWarning,
     DoubtWarning,
@@ -105,6 +109,7 @@ __all__ = [
     "RemanifoldWarning",
     "Repair",
     "SimplicialComplex",
+    "SimplifiedComplex",
     "Singularities",
     "Smoothing",
     "Spectrum",
