@@ -19,6 +19,7 @@ except ImportError as error:
 
 from remanifold import datasets, interoperability, io
 from remanifold.calculus.calculus import Calculus
+from remanifold.calculus.charts import Atlas, Chart, ChartPoints
 from remanifold.calculus.cohomology import CircularCoordinates
 from remanifold.calculus.curvature import AngleDefects, Curvature
 from remanifold.calculus.paths import FrechetMean, LogarithmMap, VoronoiCells
@@ -75,7 +76,10 @@ __version__: str = _core.__version__
 
 __all__ = [
     "AngleDefects",
+    "Atlas",
     "Calculus",
+    "Chart",
+    "ChartPoints",
     "CircularCoordinates",
     "Curvature",
     "DimensionEstimate",

@@ -886,7 +886,7 @@ def test_import_is_light():
     loaded = done.stdout.split()
     assert "remanifold.method.steps" in loaded
     heavy = {"typer", "click", "rich", "meshio", "gudhi", "matplotlib", "scipy"}
-    heavy |= {"sklearn", "potpourri3d", "pygeodesic"}
+    heavy |= {"sklearn", "potpourri3d"}
     heavy |= {"laspy", "networkx", "plotly", "pyvista", "trimesh", "vtkmodules"}
     assert not heavy.intersection(loaded)
 

@@ -257,9 +257,11 @@ class Propagation {
       return;  // the triangle is flat, and its sides were reached along their edges
     }
     const double entry = image.x - (apex.x - image.x) * image.y / rise;
-    bool left = window.begin < entry;
-    bool right = window.end > entry;
+    // A window that ends where the apex is seen lies on one side of it, whatever rounding
+    // says: paths through other vertices come as near there.
     const double beyond = kSeen * surface_.base(side);
+    bool left = window.begin < entry - beyond;
+    bool right = window.end > entry + beyond;
     if (window.begin - beyond <= entry && entry <= window.end + beyond) {
       const double distance = window.before + length(apex - image);
       reach(surface_.apex_of(side), distance);
