@@ -879,7 +879,8 @@ class Calculus(Generic[C]):
             "tangent": projections onto the mean tangent space of each part.
         max_distortion : float
             More than 1. No length is stretched or shrunk by a larger factor in a chart;
-            parts where one would be are cut in two.
+            parts where one would be are cut in two. Slivers decide: a larger bound
+            gives fewer charts.
 
         Returns
         -------

@@ -34,8 +34,10 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-# Of a square of the texture: how much stays empty between charts.
+# Gap between the charts of a texture, in units of the side of a square of their area, and
+# by how much the square grows until they fit.
 _MARGIN = 0.02
+_MORE = 1.05
 # Rounds for the mean tangent space, whose directions are far wider than the others.
 _ITERATIONS = 6
 # Parts beside it that a part may be joined with: those that share most with it.
@@ -284,8 +286,6 @@ class Atlas(ReadOnlyArrays):
         if self._dim != 2:
             msg = f"textures are for surfaces, and the dimension is {self._dim}"
             raise ValueError(msg)
-        columns = int(np.ceil(np.sqrt(len(self.charts))))
-        largest = max(np.ptp(chart.coordinates, axis=0).max() for chart in self.charts)
         rows, numbers, places, labels = [], [], [], []
         total = 0
         for number, chart in enumerate(self.charts):
@@ -293,12 +293,11 @@ class Atlas(ReadOnlyArrays):
             used, corners = np.unique(chart._rows[own], return_inverse=True)
             rows.append(corners.reshape(-1, 3) + total)
             numbers.append(chart.vertices[used])
-            corner = np.array([number % columns, number // columns])
-            flat = chart.coordinates[used] - chart.coordinates.min(axis=0)
-            share = flat / largest * (1 - _MARGIN) + _MARGIN / 2
-            places.append((corner + share) / columns)
+            places.append(_lengthwise(chart.coordinates[used]))
             labels.append(np.full(len(used), number, dtype=np.int32))
             total += len(used)
+        corner, side = _on_shelves(np.array([own.max(axis=0) for own in places]))
+        places = [(a + b) / side for a, b in zip(places, corner, strict=True)]
         vertices = np.concatenate(numbers)
         attributes = {
             "uv": np.concatenate(places),
@@ -360,6 +359,33 @@ _BLOCK = 500  # edges at a time that are compared with all others
 _THIN = 1e-9
 # Share of its size that a point may lie outside of a chart and still counts as in it.
 _OUTSIDE = 1e-9
+
+
+def _lengthwise(places: Floats) -> Floats:
+    """Turned so that the longest direction is the first, from zero on."""
+    middle = places - places.mean(axis=0)
+    _, axes = np.linalg.eigh(middle.T @ middle)
+    turn = axes[:, ::-1] * [1.0, np.sign(np.linalg.det(axes[:, ::-1]))]
+    turned = middle @ turn
+    return np.asarray(turned - turned.min(axis=0))
+
+
+def _on_shelves(sizes: Floats) -> tuple[Floats, float]:
+    """Lower left corners of boxes in a square, and its side: the highest boxes first."""
+    gap = _MARGIN * np.sqrt(sizes.prod(axis=1).sum())
+    wide = sizes + gap
+    side = max(float(np.sqrt(wide.prod(axis=1).sum())), float(wide[:, 0].max()))
+    corners = np.zeros_like(sizes)
+    while True:
+        x = y = shelf = 0.0
+        for number in np.argsort(-wide[:, 1], kind="stable"):
+            if x + wide[number, 0] > side and x > 0:
+                x, y, shelf = 0.0, y + shelf, 0.0
+            corners[number] = x, y
+            x, shelf = x + wide[number, 0], max(shelf, wide[number, 1])
+        if y + shelf <= side:
+            return corners + gap / 2, side
+        side *= _MORE
 
 
 def make_atlas(
