@@ -21,6 +21,8 @@ constexpr double kTurn = 6.283185307179586;
 /// Share of a length that counts as rounding. Windows that are narrower are none, and
 /// paths must be shorter by more to be preferred.
 constexpr double kRounding = 1e-12;
+/// Height of a triangle over its longest side up to which it counts as flat.
+constexpr double kFlat = 1e-9;
 /// Angles around a vertex by how much less than a full turn it may still be passed: it does
 /// no harm to start at a vertex that no shortest path passes.
 constexpr double kAngleRounding = 1e-9;
@@ -77,6 +79,10 @@ class Surface {
       const double cosine =
           both > 0 ? (left * left + right * right - base * base) / both : 1;
       angles[triangles_.vertices[side]] += std::acos(std::clamp(cosine, -1.0, 1.0));
+      // Around a flat triangle, where angles say little, any vertex may be passed.
+      if (!(apexes_[side].y > kFlat * std::max(base, std::max(left, right)))) {
+        passed_[apex_of(side)] = passed_[first(side)] = passed_[last(side)] = 1;
+      }
       if (across_[side] < 0) {
         passed_[first(side)] = passed_[last(side)] = 1;
       }

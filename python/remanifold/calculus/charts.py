@@ -485,6 +485,8 @@ def _lay_out(
     candidates: list[tuple[str, Callable[[], Floats]]] = []
     if len(rows) == 1 or method == "tangent":
         candidates = [("tangent", lambda: _shadow(operators))]
+    elif not operators.used.all() or operators.labels.max() > 0:
+        return None  # only flat simplices hold it together: it is cut there
     elif whole.dim != 2:
         candidates = [("rigid", lambda: rigid(operators, _shadow(operators)))]
     else:

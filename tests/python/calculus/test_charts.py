@@ -182,6 +182,22 @@ def test_where_it_is_no_manifold_charts_end():
     assert atlas.distortion == pytest.approx(1)
 
 
+def test_flat_triangles_are_in_charts_too():
+    """One between two others: its place follows from theirs."""
+    joint = rm.SimplicialComplex(
+        [[0, 0], [2, 0], [1, 0], [1, 1], [1, -1]],
+        [[0, 1, 2], [0, 2, 3], [2, 1, 3], [0, 1, 4]],
+    )
+    atlas = joint.calculus.charts()
+    assert atlas.distortion < 1.01
+    covered = np.unique(np.concatenate([chart.simplices for chart in atlas.charts]))
+    assert covered.tolist() == [0, 1, 2, 3]
+    points = np.array([[0.5, 0.2], [1.2, -0.3], [1.5, 0.1]])
+    there = atlas.transform(points)
+    back = atlas.inverse_transform(there.charts, there.coordinates)
+    np.testing.assert_allclose(back, points, atol=1e-9)
+
+
 def test_textures(tmp_path):
     rec = rm.reconstruct(rm.datasets.torus(400, random_state=0), 2)
     atlas = rec.calculus.charts()

@@ -288,3 +288,15 @@ def test_the_default_is_exact_where_it_is_cheap(monkeypatch, sphere):
     monkeypatch.setattr(geodesics, "_EXACT_WORK", 1e6)
     heat = rec.geodesic_distances(0, "heat")
     np.testing.assert_array_equal(rec.geodesic_distances(0), heat)
+
+
+def test_exact_distances_where_vertices_coincide():
+    """Flat triangles: not below what is straight, nor above the way along the edges."""
+    points = rm.datasets.torus(300, random_state=0)
+    rows = rm.reconstruct(points, 2).simplices
+    coarse = rm.SimplicialComplex(np.round(points * 2) / 2, rows)
+    assert len(coarse.calculus.flat_simplices) > 300
+    found = coarse.geodesic_distances(0, "exact")[0]
+    straight = np.linalg.norm(coarse.vertices - coarse.vertices[0], axis=1)
+    assert (found >= straight - 1e-12).all()
+    assert (found <= coarse.geodesic_distances(0, "graph")[0] + 1e-12).all()
