@@ -3,6 +3,8 @@
 
     python benchmarks/calculus.py spectra      # eigenvalues of closed manifolds
     python benchmarks/calculus.py paths        # shortest paths
+    python benchmarks/calculus.py distances    # along the triangles
+    python benchmarks/calculus.py charts       # how much they stretch
     python benchmarks/calculus.py curvature    # curvatures by local fits
     python benchmarks/calculus.py peers        # times beside potpourri3d, for surfaces
 
@@ -23,6 +25,7 @@ from command import MarkdownOption, make_app, print_lines
 from remanifold import datasets
 
 app = make_app()
+SIZES = (500, 2000, 8000)
 SeedsOption = Annotated[int, typer.Option(min=1, help="Seeds to average over.")]
 
 
@@ -175,6 +178,85 @@ def paths(
                     ),
                     ("largest", f"{100 * np.max(longer):.2f} %".replace("-", "−")),
                     ("ms each", f"{1000 * seconds:.0f}"),
+                ]
+            )
+    print_lines(lines, markdown=markdown)
+
+
+@app.command()
+def distances(markdown: MarkdownOption = False) -> None:
+    """Mean relative error of distances from two vertices, by each method, and CPU time."""
+    lines = []
+    for name, dim, draw, true, counts in (
+        ("sphere", 2, lambda n: datasets.sphere(n, random_state=0), on_sphere, SIZES),
+        (
+            "flat torus in R^4",
+            2,
+            lambda n: datasets.flat_torus(n, random_state=0),
+            on_torus,
+            SIZES,
+        ),
+        (
+            "3-sphere",
+            3,
+            lambda n: datasets.sphere(n, dim=3, random_state=0),
+            on_sphere,
+            (3000,),
+        ),
+    ):
+        for count in counts:
+            points = draw(count)
+            rec = rm.reconstruct(points, dim)
+            rec.geodesic_distances(0, "graph"), rec.topology()  # what is made once
+            exact = np.array(
+                [[true(points, a, b) for b in range(count)] for a in (0, 7)]
+            )
+            line = [("random samples of", name), ("N", f"{count:,}")]
+            for method in ("graph", "heat", "exact"):
+                error, seconds = "", ""
+                if method != "exact" or dim == 2:
+                    start = time.process_time()
+                    found = rec.geodesic_distances([0, 7], method)
+                    seconds = f"{(time.process_time() - start) / 2:.2f}"
+                    away = np.abs(found - exact) / np.maximum(exact, 0.1)
+                    error = f"{100 * away.mean():.2f} %"
+                line += [(f"`{method}`", error), (f"s, {method}", seconds)]
+            lines.append(line)
+    print_lines(lines, markdown=markdown)
+
+
+@app.command()
+def charts(markdown: MarkdownOption = False) -> None:
+    """How many charts there are, and how much they stretch."""
+    lines = []
+    for name, dim, points in (
+        ("Swiss roll", 2, datasets.swiss_roll(2000, random_state=0)),
+        ("sphere", 2, datasets.sphere(2000, random_state=0)),
+        ("torus", 2, datasets.torus(2000, random_state=0)),
+        ("torus", 2, datasets.torus(20_000, random_state=0)),
+        ("flat torus in R^4", 2, datasets.flat_torus(2000, random_state=0)),
+        ("Klein bottle in R^4", 2, datasets.klein_bottle(2000, random_state=0)),
+        ("3-sphere", 3, datasets.sphere(500, dim=3, random_state=0)),
+    ):
+        rec = rm.reconstruct(points, dim)
+        for method in ("rigid", "conformal", "tangent"):
+            if method == "conformal" and dim != 2:
+                continue
+            start = time.process_time()
+            atlas = rec.calculus.charts(method)
+            seconds = time.process_time() - start
+            stretches = np.concatenate([chart.stretches for chart in atlas.charts])
+            factor = np.maximum(stretches[:, -1], 1 / stretches[:, 0])
+            lines.append(
+                [
+                    ("random samples of", name),
+                    ("N", f"{len(points):,}"),
+                    ("method", f"`{method}`"),
+                    ("charts", f"{len(atlas)}"),
+                    ("median distortion", f"{np.median(factor):.3f}"),
+                    ("95 %", f"{np.percentile(factor, 95):.2f}"),
+                    ("largest", f"{factor.max():.2f}"),
+                    ("CPU seconds", f"{seconds:.1f}"),
                 ]
             )
     print_lines(lines, markdown=markdown)

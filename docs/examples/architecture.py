@@ -32,6 +32,7 @@ PACKAGE_ROOMS = {
     "_base": "checks, options, inputs",
     "complex": "complexes and what to ask",
     "calculus": "functions, paths, curvature",
+    "remeshing": "fewer or more simplices",
     "method": "the steps, one by one",
     "judging": "how far to trust a result",
     "formats": "files, others' objects",
@@ -157,7 +158,8 @@ def picture():
         ("cli", "sklearn.py", "io.py"),
         ("results",),
         ("page", "drawing", "formats"),
-        ("judging", "method", "calculus", "complex"),
+        ("judging", "method"),
+        ("remeshing", "calculus", "complex"),
         ("_base", "datasets"),
     )
     words = {**PACKAGE_ROOMS, "sklearn.py": "an estimator", "io.py": "reading, writing"}

@@ -6,8 +6,10 @@ void bind_chain(pybind11::module_& module);
 void bind_constants(pybind11::module_& module);
 void bind_projection(pybind11::module_& module);
 void bind_quality(pybind11::module_& module);
+void bind_simplification(pybind11::module_& module);
 void bind_steps(pybind11::module_& module);
 void bind_reconstruct(pybind11::module_& module);
+void bind_surface_distances(pybind11::module_& module);
 void bind_topology(pybind11::module_& module);
 }  // namespace remanifold::python
 
@@ -21,4 +23,6 @@ PYBIND11_MODULE(_core, module) {
   remanifold::python::bind_topology(module);
   remanifold::python::bind_quality(module);
   remanifold::python::bind_projection(module);
+  remanifold::python::bind_simplification(module);
+  remanifold::python::bind_surface_distances(module);
 }

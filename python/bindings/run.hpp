@@ -38,6 +38,8 @@ inline const char* step_name(Step step) {
       return "topology";
     case Step::kProjection:
       return "projection";
+    case Step::kSimplification:
+      return "simplification";
   }
   return "";
 }

@@ -19,6 +19,7 @@ except ImportError as error:
 
 from remanifold import datasets, interoperability, io
 from remanifold.calculus.calculus import Calculus
+from remanifold.calculus.charts import Atlas, Chart, ChartPoints
 from remanifold.calculus.cohomology import CircularCoordinates
 from remanifold.calculus.curvature import AngleDefects, Curvature
 from remanifold.calculus.paths import FrechetMean, LogarithmMap, VoronoiCells
@@ -55,7 +56,11 @@ from remanifold.page.report_page import write_report
 from remanifold.results.forecast import forecast
 from remanifold.results.reconstruct import reconstruct
 from remanifold.results.reconstruction import Reconstruction, load
-from remanifold.results.simplicial_complex import SimplicialComplex, Subcomplex
+from remanifold.results.simplicial_complex import (
+    SimplicialComplex,
+    SimplifiedComplex,
+    Subcomplex,
+)
 from remanifold.warnings import (
     DimensionWarning,
     DoubtWarning,
@@ -71,7 +76,10 @@ __version__: str = _core.__version__
 
 __all__ = [
     "AngleDefects",
+    "Atlas",
     "Calculus",
+    "Chart",
+    "ChartPoints",
     "CircularCoordinates",
     "Curvature",
     "DimensionEstimate",
@@ -105,6 +113,7 @@ __all__ = [
     "RemanifoldWarning",
     "Repair",
     "SimplicialComplex",
+    "SimplifiedComplex",
     "Singularities",
     "Smoothing",
     "Spectrum",

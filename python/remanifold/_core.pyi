@@ -195,6 +195,22 @@ class SimplexSearch:
         NDArray[np.float64],
     ]: ...
 
+def simplify(
+    vertices: NDArray[np.float64],
+    simplices: NDArray[np.int32],
+    fixed: NDArray[np.bool_],
+    *,
+    num_vertices: int,
+    max_error: float,
+    even: bool,
+    progress: _Progress,
+) -> tuple[NDArray[np.int32], NDArray[np.float64]]: ...
+def surface_distances(
+    triangles: NDArray[np.int32],
+    lengths: NDArray[np.float64],
+    num_vertices: int,
+    sources: NDArray[np.int32],
+) -> NDArray[np.float64]: ...
 def component_labels(
     simplices: NDArray[np.int32], num_vertices: int
 ) -> NDArray[np.int32]: ...

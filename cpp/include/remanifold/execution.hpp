@@ -19,6 +19,7 @@ enum class Step : int {
   kComplex,
   kTopology,
   kProjection,
+  kSimplification,
 };
 
 /// Shared between a running step and its observer.

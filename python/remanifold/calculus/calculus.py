@@ -16,6 +16,7 @@ from remanifold._base.validation import (
     check_selection,
     check_values,
 )
+from remanifold.calculus.charts import Atlas, make_atlas
 from remanifold.calculus.cohomology import (
     CircularCoordinates,
     circular_coordinates,
@@ -53,6 +54,7 @@ from remanifold.calculus.regression import (
     fit_smooth,
 )
 from remanifold.calculus.spectrum import Spectrum, compute_spectrum
+from remanifold.calculus.unrolling import CHART_METHODS, ChartMethod
 from remanifold.complex.data import ComplexData
 from remanifold.complex.measures import shapes
 from remanifold.complex.normals import vertex_normals
@@ -860,6 +862,68 @@ class Calculus(Generic[C]):
         """
         chosen = self._check_vertices([vertex], "vertex")
         return logarithm_map(self._along(method), self._complex, int(chosen[0]))
+
+    # ---------------------------------------------------------------------- charts
+
+    def charts(
+        self, method: ChartMethod = "auto", *, max_distortion: float = 2.0
+    ) -> Atlas:
+        """Coordinates: parts laid out in R^K, with the ways between them and back.
+
+        Parameters
+        ----------
+        method : {"auto", "rigid", "conformal", "tangent"}
+            "rigid", which "auto" stands for: as rigid as possible, for any K. On
+            surfaces it starts from a conformal map, and follows from lengths alone, else
+            from a projection. "conformal": least squares conformal maps, for surfaces.
+            "tangent": projections onto the mean tangent space of each part.
+        max_distortion : float
+            More than 1. No length is stretched or shrunk by a larger factor in a chart;
+            parts where one would be are cut in two. Slivers decide: a larger bound
+            gives fewer charts.
+
+        Returns
+        -------
+        Atlas
+            Each simplex belongs to one chart first. No chart turns a simplex over or
+            lays one on another.
+
+        Raises
+        ------
+        ValueError
+            A method for surfaces elsewhere, or a distortion that is none.
+
+        References
+        ----------
+        B. Levy, S. Petitjean, N. Ray, J. Maillot, Least squares conformal maps for
+        automatic texture atlas generation, ACM Transactions on Graphics 21(3), 2002.
+
+        L. Liu, L. Zhang, Y. Xu, C. Gotsman, S. J. Gortler, A local/global approach to
+        mesh parameterization, Computer Graphics Forum 27(5), 2008.
+
+        W. T. Tutte, How to draw a graph, Proceedings of the London Mathematical Society
+        13, 1963.
+
+        Examples
+        --------
+        >>> import remanifold as rm
+        >>> roll = rm.reconstruct(rm.datasets.swiss_roll(1000, random_state=0), 2)
+        >>> atlas = roll.calculus.charts()
+        >>> len(atlas), atlas.charts[0].coordinates.shape
+        (1, (1000, 2))
+        """
+        check_choice(method, "method", CHART_METHODS)
+        if method == "conformal" and self._complex.dim != 2:
+            msg = (
+                f'method is "conformal", which is for surfaces, and the dimension is '
+                f'{self._complex.dim}: use "rigid"'
+            )
+            raise ValueError(msg)
+        limit = check_positive(max_distortion, "max_distortion")
+        if limit <= 1:
+            msg = f"max_distortion is {max_distortion}, expected more than 1"
+            raise ValueError(msg)
+        return make_atlas(self._complex, method, limit, self._make)
 
     # -------------------------------------------------------------------- geometry
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
 
 import numpy as np
 
+from remanifold import _core
 from remanifold._base.validation import check_choice, check_index_array
 from remanifold.calculus.operators import Operators
 from remanifold.calculus.solving import factorized
@@ -22,6 +23,9 @@ if TYPE_CHECKING:
 GeodesicMethod: TypeAlias = Literal["auto", "graph", "heat", "exact"]
 METHODS: tuple[str, ...] = get_args(GeodesicMethod)
 _Solver: TypeAlias = Callable[[int], "NDArray[np.float64]"]
+# Up to here distances are exact by default: vertices squared times sources. It is what
+# windows take, about two seconds.
+_EXACT_WORK = 5e8
 
 
 def geodesic_distances(
@@ -37,47 +41,94 @@ class Distances:
 
     def __init__(self, complex_: ComplexData, method: GeodesicMethod) -> None:
         self._whole = complex_
-        if complex_.vertices is None:
-            complex_ = ComplexData(complex_.coordinates, complex_.simplices)
-        self._complex = complex_
-        if method == "auto":
-            method = "graph" if complex_.dim < 2 else "heat"
-        self._make: Callable[[ComplexData], _Solver] | None = None
-        if method == "graph" or complex_.dim < 2:  # edges are all that there is
-            return
-        surface_in_space = complex_.dim == 2 and (complex_.ambient_dim or 9) <= 3
-        if method == "heat":
-            self._make = _heat_in_space if surface_in_space else _heat
-        elif surface_in_space:
-            self._make = _exact
-        else:
+        self._method = method
+        self._solvers: dict[int, _Solver] = {}
+        if method == "exact" and complex_.dim > 2:
             msg = (
-                'method="exact" is for curves, and surfaces in at most three '
-                'coordinates; use "heat" or "graph"'
+                'method="exact" is for curves and surfaces; use "heat" or "graph" for '
+                f"dimension {complex_.dim}"
             )
             raise ValueError(msg)
-        self._solvers: dict[int, _Solver] = {}
+
+    @functools.cached_property
+    def _complex(self) -> ComplexData:
+        """With coordinates."""
+        whole = self._whole
+        if whole.vertices is not None:
+            return whole
+        return ComplexData(whole.coordinates, whole.simplices)
 
     @functools.cached_property
     def _parts(self) -> list[parts.Part]:
         return parts.components(self._complex)
 
-    def from_sources(self, sources: ArrayLike) -> NDArray[np.float64]:
-        """From each vertex to all, (S, N); infinite where no path leads."""
+    @functools.cached_property
+    def _sides(self) -> NDArray[np.float64]:
+        """Lengths of the edges opposite to the vertices of the triangles, (M, 3)."""
+        rows, source = self._whole.simplices, self._whole._source
+        pairs = ((rows[:, (i + 1) % 3], rows[:, (i + 2) % 3]) for i in range(3))
+        squares = [source.squared_distances(i, j) for i, j in pairs]
+        return np.sqrt(np.stack(squares, axis=1))
+
+    def from_sources(
+        self, sources: ArrayLike, planned: int | None = None
+    ) -> NDArray[np.float64]:
+        """From each vertex to all, (S, N); infinite where no path leads.
+
+        As many as are planned in all, now or later, say what can be afforded.
+        """
         indices = _check_sources(self._whole, sources)
-        if self._make is None:
+        method = self._method
+        if method == "auto":
+            method = self._affordable(max(planned or 0, len(indices)))
+        if method == "graph" or self._whole.dim < 2:  # edges are all that there is
             return _along_edges(self._complex, indices)
+        if method == "exact":
+            return self._exact(indices)
+        surface_in_space = self._whole.dim == 2 and (self._whole.ambient_dim or 9) <= 3
         distances = np.full((len(indices), self._complex.num_vertices), np.inf)
         labels = self._complex.component_labels()
         for row, source in enumerate(indices):
             label = int(labels[source])
             part = self._parts[label]
             if label not in self._solvers:
-                self._solvers[label] = self._make(part)
+                self._solvers[label] = (
+                    _heat_in_space(part) if surface_in_space else _heat(part)
+                )
             own = part.vertex_indices
             away = self._solvers[label](int(np.searchsorted(own, source)))
             distances[row, own] = away
         return distances
+
+    def _affordable(self, count: int) -> GeodesicMethod:
+        whole = self._whole
+        if whole.dim < 2:
+            return "graph"
+        cheap = float(whole.num_vertices) ** 2 * max(count, 1) <= _EXACT_WORK
+        return "exact" if whole.dim == 2 and cheap and self._manifold else "heat"
+
+    @functools.cached_property
+    def _manifold(self) -> bool:
+        return self._whole.topology().manifold
+
+    def _exact(self, sources: NDArray[np.int32]) -> NDArray[np.float64]:
+        """By windows on the edges; they follow from lengths, whatever the coordinates."""
+        whole = self._whole
+        if not self._manifold:
+            labels = whole.component_labels()
+            for label in np.unique(labels[sources]):
+                if not whole.topology(int(label)).manifold:
+                    msg = (
+                        'method="exact" is for manifolds, and this complex is none, see '
+                        'topology(); use "heat" or "graph"'
+                    )
+                    raise ValueError(msg)
+        return _core.surface_distances(
+            np.ascontiguousarray(whole.simplices),
+            self._sides,
+            whole.num_vertices,
+            sources,
+        )
 
 
 def _check_sources(complex_: ComplexData, sources: ArrayLike) -> NDArray[np.int32]:
@@ -139,28 +190,6 @@ def _heat_in_space(part: ComplexData) -> _Solver:
     def solve(source: int) -> NDArray[np.float64]:
         away = np.asarray(solver.compute_distance(source), dtype=np.float64)
         return _from_source(away, source)
-
-    return solve
-
-
-def _exact(part: ComplexData) -> _Solver:
-    """Exact distances by windows on the edges (Mitchell, Mount, Papadimitriou)."""
-    try:
-        from pygeodesic.geodesic import PyGeodesicAlgorithmExact
-    except ImportError as error:
-        msg = "exact distances need pygeodesic: pip install remanifold[geodesic]"
-        raise ImportError(msg) from error
-    if not part.topology().manifold:  # pygeodesic crashes, or stops at such places
-        msg = (
-            'method="exact" is for manifolds, and this complex is none, see topology(); '
-            'use "heat" or "graph"'
-        )
-        raise ValueError(msg)
-    algorithm = PyGeodesicAlgorithmExact(_positions(part), part.simplices)
-
-    def solve(source: int) -> NDArray[np.float64]:
-        away, _ = algorithm.geodesicDistances(np.array([source]), None)
-        return np.asarray(away, dtype=np.float64)
 
     return solve
 

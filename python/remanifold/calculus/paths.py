@@ -229,7 +229,8 @@ def farthest_points(
     chosen = [start]
     nearest = np.where(used, np.inf, -np.inf)
     while len(chosen) < count:
-        nearest = np.minimum(nearest, distances.from_sources(chosen[-1:])[0])
+        away = distances.from_sources(chosen[-1:], count)[0]
+        nearest = np.minimum(nearest, away)
         nearest[~used] = -np.inf
         nearest[chosen[-1]] = 0.0
         chosen.append(farthest(nearest))
@@ -243,7 +244,7 @@ def voronoi_cells(
     nearest = np.full(operators.count, np.inf)
     labels = np.full(operators.count, -1, dtype=np.int64)
     for row, site in enumerate(sites):
-        away = distances.from_sources([int(site)])[0]
+        away = distances.from_sources([int(site)], len(sites))[0]
         away[site] = 0.0
         nearer = away < nearest
         nearest[nearer], labels[nearer] = away[nearer], row
@@ -259,7 +260,8 @@ def frechet_mean(
     """Least mean square; see `Calculus.mean`."""
     spread: Floats = np.zeros(0)
     for vertex, weight in zip(vertices, weights / weights.sum(), strict=True):
-        square = weight * distances.from_sources([int(vertex)])[0] ** 2
+        away = distances.from_sources([int(vertex)], len(vertices))[0]
+        square = weight * away**2
         spread = square if len(spread) == 0 else spread + square
     vertex = int(np.argmin(spread))
     return FrechetMean(vertex, float(spread[vertex]), spread)
@@ -275,9 +277,9 @@ def logarithm_map(
     serves all points.
     """
     dim = complex_.dim
-    own = distances.from_sources([vertex])[0]
-    own[vertex] = 0.0
     near, tangents, places = fit_at(complex_, vertex)
+    own = distances.from_sources([vertex], len(near))[0]
+    own[vertex] = 0.0
     rows = distances.from_sources(near)
     rows[np.arange(len(near)), near] = 0.0
     pairs = list(itertools.combinations_with_replacement(range(dim), 2))

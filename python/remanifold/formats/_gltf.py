@@ -68,6 +68,11 @@ def _scene(mesh: FileMesh) -> tuple[dict[str, Any], bytes]:
         width = 1 if array.ndim == 1 else array.shape[1]
         if name == "normals" and width == 3:
             attributes["NORMAL"] = buffer.add(array.astype("<f4"), _FLOAT, _VERTICES)
+        elif name == "uv" and width == 2:  # from the upper left
+            places = array.astype("<f4") * [1, -1] + [0, 1]
+            attributes["TEXCOORD_0"] = buffer.add(
+                places.astype("<f4"), _FLOAT, _VERTICES
+            )
         elif (
             name == "colors"
             and byte_colors(array).dtype == np.uint8

@@ -184,6 +184,8 @@ class _Scene:
                 fields["normals"] = turned / np.where(length > 0, length, 1)
             elif key == "COLOR_0":
                 fields["colors"] = self._array(number, raw=True)
+            elif key == "TEXCOORD_0":  # from the upper left
+                fields["uv"] = self._array(number) * [1.0, -1.0] + [0.0, 1.0]
             elif key.startswith("_"):
                 values = self._array(number)
                 name = key[1:].lower()

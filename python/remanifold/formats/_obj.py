@@ -21,13 +21,15 @@ from remanifold.formats._source import FloatArray, Source
 
 
 def read_obj(source: Source, with_fields: bool) -> FileMesh:
-    """Read vertices, polylines and faces; colors and normals where vertices have them."""
+    """Vertices, polylines and faces; colors, normals, textures where vertices have them."""
     points: list[list[float]] = []
     colors: list[list[float]] = []
     normals: list[list[float]] = []
+    texture: list[list[float]] = []
     faces: list[list[int]] = []
     lines: list[list[int]] = []
-    own = True  # whether each corner has the normal of the number of its vertex
+    # Whether each corner has the texture, the normal of the number of its vertex.
+    own_texture = own_normals = True
     with source.text() as file:
         for number, text in _whole_lines(file):
             fields = text.split()
@@ -39,8 +41,11 @@ def read_obj(source: Source, with_fields: bool) -> FileMesh:
                     colors.append(source.floats(number, fields[4:], 3))
             elif with_fields and fields[0] == "vn":
                 normals.append(source.floats(number, fields[1:], 3))
+            elif with_fields and fields[0] == "vt" and len(fields) > 2:
+                texture.append(source.floats(number, fields[1:], 2))
             elif fields[0] in ("f", "fo", "l"):
-                own = own and _own_normals(fields[1:])
+                own_texture = own_texture and _own(fields[1:], 1)
+                own_normals = own_normals and _own(fields[1:], 2)
                 if not source.cells:
                     continue
                 least = 2 if fields[0] == "l" else 3
@@ -51,8 +56,10 @@ def read_obj(source: Source, with_fields: bool) -> FileMesh:
     mesh = FileMesh(np.array(points))
     if len(colors) == len(points):
         mesh.fields["colors"] = _bytes(np.array(colors))
-    if own and len(normals) == len(points):
+    if own_normals and len(normals) == len(points):
         mesh.fields["normals"] = np.array(normals)
+    if own_texture and len(texture) == len(points):
+        mesh.fields["uv"] = np.array(texture)
     if faces and source.cells:
         mesh.cells = simplices_of_faces(source, mesh.points, Faces.of(faces))
     if lines and source.cells:
@@ -61,10 +68,10 @@ def read_obj(source: Source, with_fields: bool) -> FileMesh:
     return mesh
 
 
-def _own_normals(fields: list[str]) -> bool:
-    """Whether no corner of a face names a normal of another number than its own."""
+def _own(fields: list[str], place: int) -> bool:
+    """Whether no corner of a face names a texture or normal of another number."""
     parts = [field.split("/") for field in fields]
-    return all(len(part) < 3 or part[2] in ("", part[0]) for part in parts)
+    return all(len(part) <= place or part[place] in ("", part[0]) for part in parts)
 
 
 def _bytes(colors: FloatArray) -> NDArray[Any]:
@@ -110,7 +117,7 @@ def _corners(
 
 
 def write_obj(file: IO[bytes], mesh: FileMesh) -> None:
-    """Write vertices, with their colors after them, normals, then edges or triangles."""
+    """Write vertices, their colors after them, normals and textures, then simplices."""
     colors = mesh.fields.get("colors")
     rows = mesh.points
     if colors is not None:
@@ -125,11 +132,18 @@ def write_obj(file: IO[bytes], mesh: FileMesh) -> None:
         file.writelines(
             f"vn {x!r} {y!r} {z!r}\n".encode() for x, y, z in normals.tolist()
         )
+    texture = mesh.fields.get("uv")
+    if texture is not None:
+        file.writelines(f"vt {u!r} {v!r}\n".encode() for u, v in texture.tolist())
     for size, cells in mesh.cells.items():
         element = "l" if size == 2 else "f"
         words = [*map(str, range(1, len(mesh.points) + 1))]
-        if normals is not None and size > 2:
-            words = [f"{word}//{word}" for word in words]
+        if size > 2 and (texture is not None or normals is not None):
+            words = [
+                f"{word}/{word if texture is not None else ''}"
+                f"{'/' + word if normals is not None else ''}"
+                for word in words
+            ]
         for cell in cells.tolist():
             corners = " ".join([words[corner] for corner in cell])
             file.write(f"{element} {corners}\n".encode())

@@ -58,7 +58,7 @@ class Writer(NamedTuple):
 _SHOWN = ("colors", "normals")  # by all viewers, and of no more in some formats
 WRITERS: dict[str, Writer] = {
     ".ply": Writer(write_ply, (1, 2), fields=True),
-    ".obj": Writer(write_obj, (1, 2), fields=_SHOWN),
+    ".obj": Writer(write_obj, (1, 2), fields=(*_SHOWN, "uv")),
     ".off": Writer(write_off, (2,), three=False, fields=_SHOWN),
     ".stl": Writer(write_stl, (2,), points=False),
     ".vtk": Writer(write_vtk, (1, 2, 3), fields=True),
@@ -100,7 +100,7 @@ def write_mesh(
         ========== ============= ============================= ===============
         ``.npz``   any           any                           yes
         ``.ply``   up to 3       edges, triangles              yes
-        ``.obj``   up to 3       edges, triangles              colors, normals
+        ``.obj``   up to 3       edges, triangles              these and uv
         ``.off``   any           triangles                     colors, normals
         ``.stl``   up to 3       triangles                     no
         ``.vtk``   up to 3       edges, triangles, tetrahedra  yes
@@ -122,7 +122,8 @@ def write_mesh(
     fields : mapping of str to array_like, optional
         Values at the vertices, of shape (N,) or (N, C): numbers or bool. In PLY
         ``normals`` are written as nx, ny, nz and ``colors`` as red, green, blue, alpha,
-        in glTF as what shaders use.
+        in glTF as what shaders use. ``uv``, of shape (N, 2), are texture coordinates,
+        (0, 0) at the lower left, in OBJ and glTF.
     format : str, optional
         The format by its suffix, such as "ply", whatever the name of the file.
     comment : str, optional
@@ -449,7 +450,7 @@ def _fits(suffix: str, name: str, array: NDArray[Any]) -> bool:
         return False
     if isinstance(held, bool):
         return held
-    widths = (3, 4) if name == "colors" else (3,)
+    widths = {"colors": (3, 4), "uv": (2,)}.get(name, (3,))
     return name in held and array.ndim == 2 and array.shape[1] in widths
 
 

@@ -3,9 +3,9 @@
 
 import numpy as np
 import pytest
-from calculus_meshes import cube, known_by, torus_grid
 
 import remanifold as rm
+from calculus_meshes import cube, known_by, torus_grid
 
 
 # Scalar curvature, and the errors as measured (largest of all vertices), with a margin.

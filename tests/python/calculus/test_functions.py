@@ -5,9 +5,9 @@ import pickle
 
 import numpy as np
 import pytest
-from calculus_meshes import cube, known_by, torus_grid
 
 import remanifold as rm
+from calculus_meshes import cube, known_by, torus_grid
 
 
 @pytest.fixture(scope="module")

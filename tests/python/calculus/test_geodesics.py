@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 
 import remanifold as rm
+from remanifold._base.samples import Distances
 from remanifold.calculus import geodesics
 from remanifold.complex.graphs import edge_graph
+from remanifold.results.simplicial_complex import Subcomplex
 
 SOURCES = [0, 7]
 
@@ -46,11 +48,13 @@ def test_distances_on_a_sphere(sphere, method, error):
     assert np.abs(errors).mean() < error
     if method == "graph":
         assert errors.min() > -0.01  # detours
-    if method == "heat":
+    if method == "exact":
         np.testing.assert_array_equal(rec.geodesic_distances(SOURCES), found)
 
 
-@pytest.mark.parametrize(("method", "error"), [("graph", 0.08), ("heat", 0.03)])
+@pytest.mark.parametrize(
+    ("method", "error"), [("graph", 0.08), ("heat", 0.03), ("exact", 0.003)]
+)
 @pytest.mark.parametrize("ambient", [4, 20])
 def test_distances_on_a_flat_torus(flat_torus, method, error, ambient):
     rec, true = flat_torus
@@ -115,7 +119,7 @@ def test_products_are_as_good(flat_torus):
     np.testing.assert_array_equal(  # the orientation may be the other one
         np.sort(known.simplices, axis=1), np.sort(rec.simplices, axis=1)
     )
-    for method in ("graph", "heat"):
+    for method in ("graph", "heat", "exact"):
         np.testing.assert_allclose(
             known.geodesic_distances(0, method),
             rec.geodesic_distances(0, method),
@@ -188,8 +192,9 @@ def test_bad_sources_are_refused(sources, message):
 
 def test_bad_methods_are_refused(flat_torus):
     rec, _ = flat_torus
-    with pytest.raises(ValueError, match="at most three coordinates"):
-        rec.geodesic_distances(0, "exact")
+    solid = rm.SimplicialComplex(np.eye(4), [[0, 1, 2, 3]])
+    with pytest.raises(ValueError, match=r"exact.* for curves and surfaces"):
+        solid.geodesic_distances(0, "exact")
     with pytest.raises(ValueError, match="method is 'best'"):
         rec.geodesic_distances(0, "best")
     flat = rm.SimplicialComplex([[0, 0, 0, 0], [1, 0, 0, 0], [2, 0, 0, 0]], [[0, 1, 2]])
@@ -201,7 +206,7 @@ def test_bad_methods_are_refused(flat_torus):
 
 @pytest.mark.parametrize(
     ("package", "method"),
-    [("scipy", "graph"), ("potpourri3d", "heat"), ("pygeodesic", "exact")],
+    [("scipy", "graph"), ("potpourri3d", "heat")],
 )
 def test_missing_packages_are_named(package, method):
     script = (
@@ -216,3 +221,82 @@ def test_missing_packages_are_named(package, method):
         [sys.executable, "-c", script], capture_output=True, text=True, check=True
     )
     assert "pip install remanifold[geodesic]" in done.stdout
+
+
+def test_exact_paths_pass_corners_of_the_boundary():
+    """An L of unit squares: straight, then around the inner corner."""
+    corners = [[0, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2]]
+    shape = rm.SimplicialComplex(corners, [[0, 1, 3], [1, 2, 3], [0, 3, 5], [3, 4, 5]])
+    away = shape.geodesic_distances([2, 4, 1], "exact")
+    assert away[0, 4] == pytest.approx(2, abs=1e-14)
+    assert away[1, 1] == pytest.approx(1 + np.sqrt(2), abs=1e-14)
+    assert away[2, 5] == pytest.approx(2 * np.sqrt(2), abs=1e-14)
+
+
+def test_exact_paths_on_a_cube_and_around_a_saddle():
+    """Unfolded: opposite corners of a cube are sqrt(5) apart."""
+    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
+    squares = [(0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4)]
+    squares.append((1, 3, 7, 5))
+    rows = [tri for a, b, c, d in squares for tri in ((a, b, c), (a, c, d))]
+    cube = rm.SimplicialComplex(corners, rows)
+    away = cube.geodesic_distances(range(8), "exact")
+    np.testing.assert_allclose(away, away.T, atol=1e-14)
+    apart = np.abs(corners[:, None] - corners).sum(axis=2)
+    true = np.sqrt([0, 1, 2, 5])[apart]
+    np.testing.assert_allclose(away, true, atol=1e-14)
+
+
+def test_exact_distances_are_those_of_a_flat_klein_bottle():
+    """By lengths alone: a grid whose columns join after a turn over."""
+    size = 12
+    i, j = np.divmod(np.arange(size * size), size)
+
+    def number(a, b):
+        return (a % size) * size + np.where(a // size % 2, -b, b) % size
+
+    rows = np.concatenate(
+        [
+            np.stack([number(i, j), number(i + 1, j), number(i + 1, j + 1)], axis=1),
+            np.stack([number(i, j), number(i + 1, j + 1), number(i, j + 1)], axis=1),
+        ]
+    )
+    images = [
+        np.stack([a * size + i, (-j if a % 2 else j) + b * size], axis=1)
+        for a in (-1, 0, 1)
+        for b in (-2, -1, 0, 1, 2)
+    ]
+    places = np.stack([i, j], axis=1)
+    apart = np.linalg.norm(places[:, None, None] - np.stack(images, axis=1), axis=3)
+    true = apart.min(axis=2)
+    bottle = Subcomplex(
+        None,
+        rows.astype(np.int32),
+        vertex_indices=np.arange(size * size, dtype=np.int32),
+        _products=Distances(true),
+    )
+    assert not bottle.topology().orientable
+    sources = [0, 17, 100]
+    found = bottle.geodesic_distances(sources, "exact")
+    np.testing.assert_allclose(found, true[sources], atol=1e-12)
+
+
+def test_the_default_is_exact_where_it_is_cheap(monkeypatch, sphere):
+    rec, _ = sphere
+    exact = rec.geodesic_distances(0, "exact")
+    np.testing.assert_array_equal(rec.geodesic_distances(0), exact)
+    monkeypatch.setattr(geodesics, "_EXACT_WORK", 1e6)
+    heat = rec.geodesic_distances(0, "heat")
+    np.testing.assert_array_equal(rec.geodesic_distances(0), heat)
+
+
+def test_exact_distances_where_vertices_coincide():
+    """Flat triangles: not below what is straight, nor above the way along the edges."""
+    points = rm.datasets.torus(300, random_state=0)
+    rows = rm.reconstruct(points, 2).simplices
+    coarse = rm.SimplicialComplex(np.round(points * 2) / 2, rows)
+    assert len(coarse.calculus.flat_simplices) > 300
+    found = coarse.geodesic_distances(0, "exact")[0]
+    straight = np.linalg.norm(coarse.vertices - coarse.vertices[0], axis=1)
+    assert (found >= straight - 1e-12).all()
+    assert (found <= coarse.geodesic_distances(0, "graph")[0] + 1e-12).all()

@@ -5,9 +5,9 @@ import pickle
 
 import numpy as np
 import pytest
-from calculus_meshes import cube, known_by, torus_grid
 
 import remanifold as rm
+from calculus_meshes import cube, known_by, torus_grid
 
 CUBES = [(1, 6), (2, 5), (3, 3), (4, 2), (5, 1)]
 THREE_PAGES = rm.SimplicialComplex(

@@ -3,9 +3,9 @@
 
 import numpy as np
 import pytest
-from calculus_meshes import cube, known_by, torus_grid
 
 import remanifold as rm
+from calculus_meshes import cube, known_by, torus_grid
 
 
 def on_sphere(points, vertex):

@@ -6,9 +6,9 @@ import sys
 
 import numpy as np
 import pytest
-from calculus_meshes import cube, known_by, torus_grid
 
 import remanifold as rm
+from calculus_meshes import cube, known_by, torus_grid
 
 
 def flat_klein_bottle(count, seed):

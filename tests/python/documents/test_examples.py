@@ -118,6 +118,13 @@ def test_the_picture_of_the_calculus(tmp_path):
     assert 20_000 < (tmp_path / "calculus.png").stat().st_size < 200_000
 
 
+def test_the_pictures_of_charts_and_remeshing(tmp_path):
+    pytest.importorskip("scipy")
+    run("remeshing.py", tmp_path)
+    for name in ("charts.png", "remeshing.png"):
+        assert 20_000 < (tmp_path / name).stat().st_size < 200_000
+
+
 def test_limits_are_as_on_the_page():
     assert_rows_in_order(run("limits.py").stdout, page("limits.md"))
 
