@@ -34,9 +34,12 @@ class Peer:
     label: str
     module: str | None = None  # what Python has to import; None: the driver in C++
     surfaces_only: bool = False  # K = 2 in R^3
+    solids_only: bool = False  # K = 3 in R^3
     own_vertices: bool = False  # not the samples: only the mesh itself can be judged
 
     def takes(self, dim: int, ambient_dim: int) -> bool:
+        if self.solids_only:
+            return (dim, ambient_dim) == (3, 3)
         return not self.surfaces_only or (dim, ambient_dim) == (2, 3)
 
 
@@ -48,6 +51,7 @@ PEERS = {
     "gudhi_perturbed": Peer("GUDHI, perturbed", "gudhi"),
     "advancing_front": Peer("CGAL advancing front", None, surfaces_only=True),
     "scale_space": Peer("CGAL scale space", None, surfaces_only=True),
+    "delaunay": Peer("CGAL Delaunay", None, solids_only=True),
     "open3d_ball_pivoting": Peer("Open3D ball pivoting", "open3d", surfaces_only=True),
     "open3d_poisson": Peer(
         "Open3D Poisson", "open3d", surfaces_only=True, own_vertices=True

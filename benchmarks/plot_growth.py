@@ -30,6 +30,7 @@ STYLES = {
     "gudhi_perturbed": ("#009E73", "s", ":"),
     "advancing_front": ("#D55E00", "^", "-"),
     "scale_space": ("#D55E00", "v", ":"),
+    "delaunay": ("#E69F00", "<", "-"),
     "open3d_ball_pivoting": ("#0072B2", "D", "-"),
     "open3d_poisson": ("#56B4E9", "P", "-"),
     "pymeshlab_ball_pivoting": ("#CC79A7", "X", "-"),

@@ -1,28 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "first_steps.hpp"
 
+#include "base/free_memory.hpp"
 #include "base/parallel.hpp"
 #include "remanifold/constants.hpp"
-
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <utility>
 
 namespace remanifold::detail {
-namespace {
-
-int thread_count(const Execution& execution) {
-  return execution.num_threads > 0
-             ? execution.num_threads
-             : tbb::task_arena(tbb::task_arena::automatic).max_concurrency();
-}
-
-}  // namespace
 
 FirstSteps take_first_steps(CleanSamples& clean, const TangentOptions& tangent,
                             const Execution& execution) {
-  const double threads = thread_count(execution);
+  const double threads = num_threads(execution);
   FirstSteps result;
   clean.run(
       std::max(tangent.num_neighbors, certifying_count(tangent.dim, clean.search())));
@@ -35,6 +25,7 @@ FirstSteps take_first_steps(CleanSamples& clean, const TangentOptions& tangent,
     result.recall =
         measure_recall(samples, search, neighborhoods.count, kRecallQueries, execution);
   }
+  give_back_memory(neighborhoods.indices.size() * sizeof(Index));
   Stopwatch watch;
   result.tangents = compute_tangent_spaces(samples, neighborhoods, tangent, execution);
   refit_along_curves(samples, search, neighborhoods, tangent, result.tangents,
@@ -42,6 +33,7 @@ FirstSteps take_first_steps(CleanSamples& clean, const TangentOptions& tangent,
   result.seconds.tangent_spaces = watch.lap();
   result.regions =
       compute_local_regions(samples, search, neighborhoods, result.tangents, execution);
+  give_back_memory(result.regions.stars.size());
   result.seconds.local_regions = watch.lap();
 
   // Thread time over threads stands for wall time.

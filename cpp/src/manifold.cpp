@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The default method, from top to bottom: tangent spaces, local regions, what the stars
 // agree on, the chain of least energy through the rest, orientation.
+#include "base/free_memory.hpp"
 #include "base/parallel.hpp"
 #include "base/tolerance.hpp"
 #include "cleaning/clean_samples.hpp"
@@ -188,8 +189,7 @@ void leave_out_flat(const Samples& samples, ManifoldComplex& complex,
   report.open_facets = std::move(unpaired.open);
   report.branching_facets = std::move(unpaired.branching);
   report.singular = singular_vertices(simplices, all, execution);
-  complex.patches =
-      orient_patches(facet_neighbors(simplices, samples.size(), execution), arity);
+  complex.patches = orient_patches(simplices, samples.size(), execution);
 }
 
 }  // namespace
@@ -206,11 +206,11 @@ Reconstruction reconstruct(const Samples& given, const ReconstructOptions& optio
   clean.set_thinning();
   detail::FirstSteps steps = detail::take_first_steps(clean, tangent, execution);
   const Samples& samples = clean.samples();
-  const Neighborhoods& neighborhoods = clean.neighborhoods();
   detail::Stopwatch watch;
   Reconstruction result;
   result.dim = dim;
   result.search = clean.search().method();
+  Neighborhoods neighborhoods = clean.take_neighborhoods();
   result.cleaning = clean.take_report();
   result.recall = steps.recall;
   result.seconds = steps.seconds;
@@ -233,11 +233,12 @@ Reconstruction reconstruct(const Samples& given, const ReconstructOptions& optio
       }
     }
   }
-  steps.regions.edge_sets = {};  // the stars are all that is needed
+  // Nobody asks what encloses the samples.
+  std::vector<Index>().swap(steps.tangents.simplices);
   detail::begin_step(execution, Step::kComplex, 0);
   // The same ones whatever the search knows.
   const Index count = std::max(tangent.num_neighbors, certifying_count(dim));
-  const Neighborhoods fewer =
+  Neighborhoods fewer =
       count < neighborhoods.count ? nearest_of(neighborhoods, count) : Neighborhoods{};
   ManifoldComplex complex = build_manifold(
       samples.knowing(neighborhoods), fewer.count > 0 ? fewer : neighborhoods,
@@ -245,13 +246,18 @@ Reconstruction reconstruct(const Samples& given, const ReconstructOptions& optio
   if (samples.has_points() && samples.ambient_dim() == dim) {
     leave_out_flat(samples, complex, execution);
   }
+  const std::size_t freed = neighborhoods.indices.size() * sizeof(Index);
+  neighborhoods = {};
+  fewer = {};
   const std::vector<std::int8_t> signs =
       orient(samples, complex.simplices, complex.patches);
-  result.simplices = to_input(samples, complex.simplices, signs, execution);
+  complex.patches = {};
+  detail::give_back_memory(freed);
+  result.simplices = to_input(samples, std::move(complex.simplices), signs, execution);
   ManifoldReport& report = complex.report;
   for (SimplexArray* simplices : {&report.disputed, &report.filled, &report.open_facets,
                                   &report.branching_facets}) {
-    *simplices = to_input(samples, *simplices, {});
+    *simplices = to_input(samples, std::move(*simplices), {});
   }
   for (std::vector<Index>* vertices :
        {&report.singular, &report.inserted, &report.cut_vertices, &report.outliers}) {
@@ -261,7 +267,7 @@ Reconstruction reconstruct(const Samples& given, const ReconstructOptions& optio
   for (Opening& opening : report.openings) {
     opening.samples = to_input(samples, std::move(opening.samples));
     opening.simplices.arity = dim + 1;
-    opening.simplices = to_input(samples, opening.simplices, {});
+    opening.simplices = to_input(samples, std::move(opening.simplices), {});
     opening.volume *= std::pow(samples.scale(), dim);
     opening.spacing *= samples.scale();
   }

@@ -7,17 +7,22 @@
 
 #include <pybind11/stl.h>
 
+#include <optional>
+#include <utility>
 #include <vector>
 
 namespace remanifold::python {
 namespace {
 
+/// \param tangents  shape (N, K, D), or none
 py::dict quality(const Input& input, const InputArray<Index>& simplices,
-                 Index num_neighbors, const std::string& search, int checks,
+                 const std::optional<InputArray<double>>& tangents, Index num_neighbors,
+                 Index num_listed, const std::string& search, int checks,
                  int num_threads, const py::object& progress) {
   const SimplexArray complex{static_cast<int>(simplices.shape(1)),
                              to_vector(simplices)};
-  const QualityOptions options{complex.arity - 1, num_neighbors};
+  const QualityOptions options{complex.arity - 1, num_neighbors,
+                               tangents ? tangents->data() : nullptr, num_listed};
   const SearchOptions searching = search_options(search, checks);
   SamplingQuality result = run(num_threads, progress, [&](const Execution& execution) {
     const Samples samples = input.samples(execution);
@@ -35,6 +40,9 @@ py::dict quality(const Input& input, const InputArray<Index>& simplices,
   out["gap"] = to_numpy(std::move(result.gap));
   out["nearest_strange"] = to_numpy(std::move(result.nearest_strange));
   out["rim"] = to_numpy(std::move(result.rim));
+  const auto rows = static_cast<py::ssize_t>(result.listed_numbers.size());
+  out["near"] = to_numpy(std::move(result.listed.indices), {rows, result.listed.count});
+  out["numbers"] = to_numpy(std::move(result.listed_numbers));
   return out;
 }
 
@@ -59,8 +67,9 @@ py::array spreads(const InputArray<double>& points, const InputArray<Index>& sam
 void bind_quality(py::module_& module) {
   using py::arg;
   module.def("quality", &quality, arg("samples"), arg("simplices").noconvert(),
-             py::kw_only(), arg("num_neighbors"), arg("search"), arg("checks"),
-             arg("num_threads"), arg("progress"));
+             arg("tangents").noconvert(), py::kw_only(), arg("num_neighbors"),
+             arg("num_listed"), arg("search"), arg("checks"), arg("num_threads"),
+             arg("progress"));
   module.def("local_spreads", &spreads, arg("points").noconvert(),
              arg("samples").noconvert(), arg("neighbors").noconvert(), arg("sizes"),
              arg("num_spreads"), arg("num_threads"));

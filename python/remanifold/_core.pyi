@@ -162,8 +162,10 @@ def topology(
 def quality(
     samples: _Samples,
     simplices: NDArray[np.int32],
+    tangents: NDArray[np.float64] | None,
     *,
     num_neighbors: int,
+    num_listed: int,
     search: str,
     checks: int,
     num_threads: int,

@@ -98,6 +98,7 @@ TEST(Verify, LocalRegions) {
               r.stars.erase(r.stars.begin(), r.stars.begin() + 2);
               for (std::size_t i = 1; i < r.star_offsets.size(); ++i) {
                 --r.star_offsets[i];
+                r.star_starts[i] -= 2;
               }
             }),
             "local regions: the star is not closed around sample 0");

@@ -26,7 +26,7 @@ Result advancing_front(const Points& points) {
   stopwatch.stop(result);
   for (const auto& facet : facets) {
     for (const std::size_t vertex : facet) {
-      result.triangles.push_back(static_cast<int>(vertex));
+      result.simplices.push_back(static_cast<int>(vertex));
     }
   }
   return result;

@@ -13,10 +13,10 @@ namespace peers {
 namespace {
 
 constexpr const char* kUsage =
-    "usage: remanifold_peers NAME POINTS N TRIANGLES, or remanifold_peers --version\n"
-    "  NAME       flann, advancing_front or scale_space\n"
+    "usage: remanifold_peers NAME POINTS N SIMPLICES, or remanifold_peers --version\n"
+    "  NAME       flann, advancing_front, scale_space or delaunay\n"
     "  POINTS     file of N rows of float64\n"
-    "  TRIANGLES  file to write: rows of three int32\n";
+    "  SIMPLICES  file to write: rows of int32, three or, of delaunay, four\n";
 
 struct Peer {
   Result (*run)(const Points&);
@@ -28,6 +28,7 @@ const std::map<std::string, Peer>& table() {
       {"flann", {flann, 0}},
       {"advancing_front", {advancing_front, 3}},
       {"scale_space", {scale_space, 3}},
+      {"delaunay", {delaunay, 3}},
   };
   return peers;
 }
@@ -62,7 +63,7 @@ Points read_points(const std::string& path, std::size_t count) {
 }
 
 int run(const std::string& name, const std::string& points_path, std::size_t count,
-        const std::string& triangles_path) {
+        const std::string& simplices_path) {
   const auto peer = table().find(name);
   if (peer == table().end()) {
     throw std::invalid_argument("unknown peer " + name);
@@ -72,12 +73,12 @@ int run(const std::string& name, const std::string& points_path, std::size_t cou
     throw std::invalid_argument(name + " takes points of R^3 only");
   }
   const Result result = peer->second.run(points);
-  std::ofstream file(triangles_path, std::ios::binary);
-  file.write(reinterpret_cast<const char*>(result.triangles.data()),
-             static_cast<std::streamsize>(result.triangles.size() * sizeof(int)));
+  std::ofstream file(simplices_path, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(result.simplices.data()),
+             static_cast<std::streamsize>(result.simplices.size() * sizeof(int)));
   file.close();
   if (!file) {
-    throw std::runtime_error("cannot write " + triangles_path);
+    throw std::runtime_error("cannot write " + simplices_path);
   }
   std::printf("{\"seconds\": %.6f, \"cpu_seconds\": %.6f, \"peak_bytes\": ",
               result.seconds, result.cpu_seconds);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the drivers of the peers share. A driver gets points in memory, does by a Stopwatch
-// only what belongs to its algorithm, and hands back triangles, three indices each.
+// only what belongs to its algorithm, and hands back simplices, K + 1 indices each.
 #pragma once
 
 #include <chrono>
@@ -21,7 +21,7 @@ struct Result {
   double seconds = 0;
   double cpu_seconds = 0;
   long long peak_bytes = -1;  // beyond what was there before; -1: unknown
-  std::vector<int> triangles;
+  std::vector<int> simplices;
 };
 
 /// Started when made; `stop` must come before anything that the algorithm is not to blame
@@ -40,6 +40,7 @@ class Stopwatch {
 Result flann(const Points& points);
 Result advancing_front(const Points& points);
 Result scale_space(const Points& points);
+Result delaunay(const Points& points);
 
 std::string flann_version();
 std::string cgal_version();

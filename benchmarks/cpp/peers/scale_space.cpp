@@ -27,7 +27,7 @@ Result scale_space(const Points& points) {
   for (auto it = reconstruction.facets_begin(); it != reconstruction.facets_end();
        ++it) {
     for (const std::size_t vertex : *it) {
-      result.triangles.push_back(static_cast<int>(vertex));
+      result.simplices.push_back(static_cast<int>(vertex));
     }
   }
   return result;

@@ -7,6 +7,7 @@
 #include "remanifold/types.hpp"
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -49,9 +50,16 @@ SimplexArray edges_of(const SimplexArray& simplices, Index num_vertices);
 /// has it, kBranching where several have.
 constexpr FacetNumber kOpen = -1;
 constexpr FacetNumber kBranching = -2;
-std::vector<FacetNumber> facet_neighbors(const SimplexArray& simplices,
-                                         Index num_vertices,
-                                         const Execution& execution = {});
+/// \tparam Number  FacetNumber, or std::int32_t where has_few_facets()
+template <class Number = FacetNumber>
+std::vector<Number> facet_neighbors(const SimplexArray& simplices, Index num_vertices,
+                                    const Execution& execution = {});
+
+/// Whether facets can be numbered in 32 bits, which halves what their neighbors take.
+inline bool has_few_facets(const SimplexArray& simplices) {
+  return simplices.vertices.size() <=
+         static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max());
+}
 
 /// Whether two simplices on a facet, named by the facet's numbers, must have opposite
 /// signs to be oriented alike; the sign of an ascending simplex is +1.
@@ -67,7 +75,12 @@ struct OrientedPatches {
   std::vector<std::uint8_t> orientable;  ///< of each patch
   std::vector<std::uint8_t> closed;      ///< of each patch: no facet is open
 };
-OrientedPatches orient_patches(const std::vector<FacetNumber>& neighbors, int arity,
+/// \param neighbors  by facet_neighbors()
+template <class Number>
+OrientedPatches orient_patches(const std::vector<Number>& neighbors, int arity,
+                               const Execution& execution = {});
+/// The same of the simplices themselves.
+OrientedPatches orient_patches(const SimplexArray& simplices, Index num_vertices,
                                const Execution& execution = {});
 
 /// The same for simplices most of which are known with their patches, at the cost of the

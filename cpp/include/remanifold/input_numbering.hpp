@@ -36,12 +36,13 @@ std::vector<std::uint8_t> flags_to_canonical(const Samples& samples,
                                              const std::vector<std::uint8_t>& flags);
 
 /// Simplices of input numbers to canonical ones, columns ascending, rows in their order.
-SimplexArray to_canonical(const Samples& samples, SimplexArray simplices);
+SimplexArray to_canonical(const Samples& samples, SimplexArray simplices,
+                          const Execution& execution = {});
 
 /// Simplices of canonical numbers, columns ascending, to input numbers: columns ascending
 /// but for the last two, which change places where that gives the simplex its sign.
 /// Without signs all columns ascend. Rows in lexicographic order of ascending columns.
-SimplexArray to_input(const Samples& samples, const SimplexArray& simplices,
+SimplexArray to_input(const Samples& samples, SimplexArray simplices,
                       const std::vector<std::int8_t>& signs,
                       const Execution& execution = {});
 

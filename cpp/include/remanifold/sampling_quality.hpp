@@ -25,6 +25,10 @@ namespace remanifold {
 struct QualityOptions {
   int dim = 0;              ///< K
   Index num_neighbors = 0;  ///< of the narrow fit, half of the wide one; 0: of a jet
+  /// What a jet over as many neighbors finds, where that is known: orthonormal bases by
+  /// input number, K x D each, NaN where there is none. Not copied; points only.
+  const double* tangents = nullptr;
+  Index num_listed = 0;  ///< neighbors of each sample that are handed over
 };
 
 /// By input number, copies like the sample they were merged with; input lengths. NaN where
@@ -42,6 +46,10 @@ struct SamplingQuality {
       nearest_strange;            ///< distance to the nearest sample far along the
                                   ///< result; infinite where none of the neighbors is
   std::vector<std::uint8_t> rim;  ///< 2: on an open facet, 1: in a simplex with such
+  /// At least num_listed neighbors where there are so many, in an order of the samples in
+  /// which those near each other are near in memory, copies left out; numbers in that order.
+  Neighborhoods listed;
+  std::vector<Index> listed_numbers;  ///< input numbers of the samples in that order
 };
 
 /// \param simplices  in input numbers, columns in any order

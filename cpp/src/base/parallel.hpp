@@ -22,6 +22,12 @@
 
 namespace remanifold::detail {
 
+inline int num_threads(const Execution& execution) {
+  return execution.num_threads > 0
+             ? execution.num_threads
+             : tbb::task_arena(tbb::task_arena::automatic).max_concurrency();
+}
+
 /// Runs with as many threads as the execution allows.
 template <class Function>
 void with_threads(const Execution& execution, const Function& function) {

@@ -14,10 +14,12 @@
 namespace remanifold::detail {
 
 /// Disjoint sets of nodes, each with a sign relative to the others of its set.
+/// \tparam Number  that counts the nodes
+template <class Number>
 class SignedSets {
  public:
   explicit SignedSets(Offset size) : parent_(size), sign_(size, 1) {
-    std::iota(parent_.begin(), parent_.end(), Offset{0});
+    std::iota(parent_.begin(), parent_.end(), Number{0});
   }
 
   /// Demands sign(a) * sign(b) = product. The lower root stays; touches what lies between
@@ -30,7 +32,7 @@ class SignedSets {
       return sign_a * sign_b == product;
     }
     const Offset child = std::max(root_a, root_b);
-    parent_[child] = std::min(root_a, root_b);
+    parent_[child] = static_cast<Number>(std::min(root_a, root_b));
     sign_[child] = static_cast<std::int8_t>(sign_a * sign_b * product);
     return true;
   }
@@ -56,7 +58,7 @@ class SignedSets {
   int sign(Offset node) const { return sign_[node]; }
 
  private:
-  std::vector<Offset> parent_;
+  std::vector<Number> parent_;
   std::vector<std::int8_t> sign_;
 };
 

@@ -3,15 +3,22 @@
 // each, so that what is not joined yet is little beside the result.
 #pragma once
 
+#include "base/parallel.hpp"
 #include "remanifold/types.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
 namespace remanifold::detail {
 
-/// Blocks that are worked on side by side before what they found is joined.
-constexpr Offset kBlocksOfWave = 128;
+/// Blocks that are worked on side by side before what they found is joined: enough for each
+/// thread that the last of them are not waited for long.
+inline Offset blocks_of_wave(const Execution& execution) {
+  constexpr Offset of_thread = 16;
+  constexpr Offset most = 128;
+  return std::min(most, of_thread * num_threads(execution));
+}
 
 /// Moves some values behind all others; keeps the room of both.
 template <class T>

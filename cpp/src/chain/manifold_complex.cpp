@@ -3,6 +3,7 @@
 
 #include "base/assertions.hpp"
 #include "base/disjoint_sets.hpp"
+#include "base/free_memory.hpp"
 #include "base/parallel.hpp"
 #include "base/signed_sets.hpp"
 #include "base/sort_unique.hpp"
@@ -116,7 +117,11 @@ class ManifoldBuilder {
   /// Splits the simplices of the stars into fixed_, disputed_ and large_.
   void fix_agreed() {
     StarSimplices stars = count_votes(regions_, execution_);
-    std::vector<Index>().swap(regions_.stars);  // they have voted
+    const std::size_t freed =
+        regions_.stars.size() + regions_.edge_sets.indices.size() * sizeof(Index);
+    std::vector<std::uint8_t>().swap(regions_.stars);  // they have voted
+    std::vector<Offset>().swap(regions_.star_starts);
+    regions_.edge_sets = {};
     const Offset count = stars.simplices.size();
     enum : std::uint8_t { kFixed, kLarge, kDisputed, kDropped };
     std::vector<std::uint8_t> kind(count, kDropped);
@@ -152,7 +157,12 @@ class ManifoldBuilder {
       }
     }
     stars = {};
-    free_small_patches();
+    detail::give_back_memory(freed + count * arity_ * sizeof(Index));
+    if (has_few_facets(fixed_)) {
+      free_small_patches<std::int32_t>();
+    } else {
+      free_small_patches<FacetNumber>();
+    }
   }
 
   /// Circumradii over the local scale.
@@ -183,9 +193,10 @@ class ManifoldBuilder {
 
   /// Small patches have an orientation of their own, which may be wrong, and facets with
   /// more than two cofaces cannot stay.
+  template <class Number>
   void free_small_patches() {
-    const std::vector<FacetNumber> neighbors =
-        facet_neighbors(fixed_, samples_.size(), execution_);
+    const std::vector<Number> neighbors =
+        facet_neighbors<Number>(fixed_, samples_.size(), execution_);
     std::vector<std::uint8_t> freed(fixed_.size(), 0);
     for (std::size_t f = 0; f < neighbors.size(); ++f) {
       if (neighbors[f] == kBranching) {
@@ -232,7 +243,8 @@ class ManifoldBuilder {
   /// Where a patch has no orientation because of a sharp fold, its simplices there are not
   /// to be believed: orients facet by facet, the flattest first, and frees both simplices
   /// at sharp folds that contradict.
-  void free_twisted_folds(const std::vector<FacetNumber>& neighbors,
+  template <class Number>
+  void free_twisted_folds(const std::vector<Number>& neighbors,
                           std::vector<std::uint8_t>& freed) {
     struct Crossing {
       double fold;
@@ -256,7 +268,7 @@ class ManifoldBuilder {
            a, b});
     }
     std::sort(crossings.begin(), crossings.end());
-    detail::SignedSets sets(fixed_.size());
+    detail::SignedSets<Offset> sets(fixed_.size());
     bool changed = false;
     for (const Crossing& crossing : crossings) {
       const Offset s = crossing.a / arity_;
@@ -270,8 +282,7 @@ class ManifoldBuilder {
     if (changed) {
       SimplexArray kept = fixed_;
       detail::erase_rows(kept, freed);
-      const OrientedPatches again =
-          orient_patches(facet_neighbors(kept, samples_.size(), execution_), arity_);
+      const OrientedPatches again = orient_patches(kept, samples_.size(), execution_);
       Offset next = 0;
       for (Offset s = 0; s < fixed_.size(); ++s) {
         if (freed[s] == 0) {
@@ -299,6 +310,7 @@ class ManifoldBuilder {
           fixed_cofaces[x] == regions_.star_offsets[x + 1] - regions_.star_offsets[x];
       unsettled_[x] = whole ? 0 : 1;
     }
+    regions_ = {};
   }
 
   /// Fills the cavities from the pool. What stays open is left for the next time, with
@@ -333,6 +345,7 @@ class ManifoldBuilder {
       open_region_.insert(open_region_.end(), facet.begin(), facet.end());
     }
     detail::sort_unique(open_region_);
+    fixed_.vertices.reserve(fixed_.vertices.size() + chain.chosen.size() * arity_);
     for (const Index c : chain.chosen) {
       if (last || open_again[c] == 0) {
         detail::append_row(fixed_, cavities.candidates[c]);
@@ -490,19 +503,20 @@ class ManifoldBuilder {
     unsettle_changed();
     list_filled();
     // Around what was inserted, links have changed as well.
-    std::vector<std::uint8_t> marked = unsettled_;
+    report.singular =
+        singular_vertices(result_.simplices, next_to(unsettled_), execution_);
+    list_unpaired();
+    orient_result();
+  }
+
+  /// Samples that are not unsettled have whole stars.
+  void list_unpaired() {
     const SimplexArray touched = detail::select_rows(
         result_.simplices,
         detail::rows_near(result_.simplices, unsettled_, 1, execution_));
-    for (const Index v : touched.vertices) {
-      marked[v] = 1;
-    }
-    report.singular = singular_vertices(result_.simplices, marked, execution_);
-    // All others have whole stars.
     UnpairedFacets unpaired = unpaired_facets(touched, unsettled_, execution_);
-    report.open_facets = std::move(unpaired.open);
-    report.branching_facets = std::move(unpaired.branching);
-    orient_result();
+    result_.report.open_facets = std::move(unpaired.open);
+    result_.report.branching_facets = std::move(unpaired.branching);
   }
 
   /// Links, and samples that were left out: at first wherever something is unsettled, then
@@ -721,9 +735,7 @@ class ManifoldBuilder {
     }
     result_.patches =
         patches ? std::move(*patches)
-                : orient_patches(
-                      facet_neighbors(result_.simplices, samples_.size(), execution_),
-                      arity_);
+                : orient_patches(result_.simplices, samples_.size(), execution_);
   }
 
   /// What is not among the agreed simplices; those with a settled vertex are.

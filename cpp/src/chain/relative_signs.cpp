@@ -110,7 +110,7 @@ bool has_orientation(const CavityPart& part, const std::vector<std::int8_t>& sig
                      const std::vector<Index>& chosen) {
   // The last node stands for the simplices at the rims, whose sides are known.
   const auto rims = static_cast<Offset>(chosen.size());
-  SignedSets sets(rims + 1);
+  SignedSets<Offset> sets(rims + 1);
   struct Side {
     Offset node;
     int parity;

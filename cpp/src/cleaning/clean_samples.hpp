@@ -30,6 +30,11 @@ class CleanSamples {
   const Samples& samples() const { return changed_ ? *changed_ : given_; }
   const NeighborSearch& search() const { return *search_; }
   const Neighborhoods& neighborhoods() const { return neighborhoods_; }
+  /// Hands over the neighborhoods and ends the search, which holds a copy of the samples.
+  Neighborhoods take_neighborhoods() {
+    search_.reset();
+    return std::move(neighborhoods_);
+  }
   Cleaning take_report() { return std::move(report_); }
   double neighborhood_seconds() const { return neighborhood_seconds_; }
   double cleaning_seconds() const { return cleaning_seconds_; }

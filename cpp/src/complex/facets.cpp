@@ -83,8 +83,8 @@ void sort_facets(const SimplexArray& simplices, Index num_vertices,
   };
   // Buckets by the lowest vertex, then each sorted on its own, most by the second alone.
   // A facet's lowest vertex is the first of its simplex or, without that, the second.
-  const detail::Buckets by_first(simplices, 0, num_vertices);
-  const detail::Buckets by_second(simplices, 1, num_vertices);
+  const detail::Buckets by_first(simplices, 0, num_vertices, execution);
+  const detail::Buckets by_second(simplices, 1, num_vertices, execution);
   const auto compare = [&](const Entry& a, const Entry& b) {
     if (a.second != b.second) {
       return a.second < b.second ? -1 : 1;
@@ -144,6 +144,7 @@ FacetGroups group_facets(const SimplexArray& simplices, Index num_vertices,
                 }
                 ends[position + cofaces] = 1;
               });
+  groups.offsets.reserve(1 + std::count(ends.begin(), ends.end(), 1));
   for (std::size_t i = 0; i < ends.size(); ++i) {
     if (ends[i] != 0) {
       groups.offsets.push_back(static_cast<Offset>(i));
@@ -155,21 +156,44 @@ FacetGroups group_facets(const SimplexArray& simplices, Index num_vertices,
 UnpairedFacets unpaired_facets(const SimplexArray& simplices,
                                const std::vector<std::uint8_t>& inside,
                                const Execution& execution) {
+  // Few, beside all facets in groups.
+  struct Found {
+    Offset position;
+    FacetNumber facet;
+    bool open;
+  };
+  struct Scratch {
+    std::vector<Found> found;
+    std::vector<Index> facet;
+  };
+  const int dim = simplices.arity - 1;
+  detail::PerThread<Scratch> scratch([&] {
+    return Scratch{{}, std::vector<Index>(dim)};
+  });
+  sort_facets(simplices, static_cast<Index>(inside.size()), execution,
+              [&](Offset position, const Entry* entries, Offset cofaces) {
+                if (cofaces == 2) {
+                  return;
+                }
+                Scratch& local = scratch.local();
+                copy_facet(simplices, entries[0].facet, local.facet.data());
+                if (std::all_of(local.facet.begin(), local.facet.end(),
+                                [&](Index v) { return inside[v] != 0; })) {
+                  local.found.push_back({position, entries[0].facet, cofaces == 1});
+                }
+              });
+  std::vector<Found> all;
+  for (const Scratch& local : scratch) {
+    all.insert(all.end(), local.found.begin(), local.found.end());
+  }
+  std::sort(all.begin(), all.end(),
+            [](const Found& a, const Found& b) { return a.position < b.position; });
   UnpairedFacets result;
-  result.open.arity = result.branching.arity = simplices.arity - 1;
-  const FacetGroups groups =
-      group_facets(simplices, static_cast<Index>(inside.size()), execution);
-  std::vector<Index> facet(simplices.arity - 1);
-  for (Offset g = 0; g < groups.size(); ++g) {
-    if (groups.cofaces(g) == 2) {
-      continue;
-    }
-    copy_facet(simplices, groups.facets[groups.offsets[g]], facet.data());
-    if (std::all_of(facet.begin(), facet.end(),
-                    [&](Index v) { return inside[v] != 0; })) {
-      detail::append_row(groups.cofaces(g) == 1 ? result.open : result.branching,
-                         facet.data());
-    }
+  result.open.arity = result.branching.arity = dim;
+  std::vector<Index> facet(dim);
+  for (const Found& found : all) {
+    copy_facet(simplices, found.facet, facet.data());
+    detail::append_row(found.open ? result.open : result.branching, facet.data());
   }
   return result;
 }
@@ -201,23 +225,28 @@ SimplexArray edges_of(const SimplexArray& simplices, Index num_vertices) {
   return edges;
 }
 
-std::vector<FacetNumber> facet_neighbors(const SimplexArray& simplices,
-                                         Index num_vertices,
-                                         const Execution& execution) {
-  std::vector<FacetNumber> neighbors(simplices.vertices.size(), kOpen);
+template <class Number>
+std::vector<Number> facet_neighbors(const SimplexArray& simplices, Index num_vertices,
+                                    const Execution& execution) {
+  std::vector<Number> neighbors(simplices.vertices.size(), Number{kOpen});
   sort_facets(simplices, num_vertices, execution,
               [&](Offset, const Entry* entries, Offset cofaces) {
                 if (cofaces == 2) {
-                  neighbors[entries[0].facet] = entries[1].facet;
-                  neighbors[entries[1].facet] = entries[0].facet;
+                  neighbors[entries[0].facet] = static_cast<Number>(entries[1].facet);
+                  neighbors[entries[1].facet] = static_cast<Number>(entries[0].facet);
                 } else if (cofaces > 2) {
                   for (Offset i = 0; i < cofaces; ++i) {
-                    neighbors[entries[i].facet] = kBranching;
+                    neighbors[entries[i].facet] = Number{kBranching};
                   }
                 }
               });
   return neighbors;
 }
+
+template std::vector<std::int32_t> facet_neighbors(const SimplexArray&, Index,
+                                                   const Execution&);
+template std::vector<FacetNumber> facet_neighbors(const SimplexArray&, Index,
+                                                  const Execution&);
 
 namespace {
 
@@ -227,12 +256,12 @@ constexpr Offset kPatchBlock = 1 << 15;
 /// Blocks of simplices each on their own, then across blocks. Divisions by a number known
 /// to the compiler are what this costs least with.
 /// \returns nothing where some patch has no orientation
-template <int K>
-std::optional<OrientedPatches> orient_all(const std::vector<FacetNumber>& neighbors,
-                                          int dim, const Execution& execution) {
+template <int K, class Number>
+std::optional<OrientedPatches> orient_all(const std::vector<Number>& neighbors, int dim,
+                                          const Execution& execution) {
   const int arity = (K == Eigen::Dynamic ? dim : K) + 1;
   const Offset count = static_cast<Offset>(neighbors.size()) / arity;
-  detail::SignedSets sets(count);
+  detail::SignedSets<Number> sets(count);
   struct Block {
     std::vector<FacetNumber> across;
     bool orientable = true;
@@ -289,8 +318,8 @@ std::optional<OrientedPatches> orient_all(const std::vector<FacetNumber>& neighb
 
 /// One simplex after the other along facets: the signs where there is no orientation depend
 /// on the way.
-template <int K>
-OrientedPatches walk_patches(const std::vector<FacetNumber>& neighbors, int dim) {
+template <int K, class Number>
+OrientedPatches walk_patches(const std::vector<Number>& neighbors, int dim) {
   const int arity = (K == Eigen::Dynamic ? dim : K) + 1;
   const Offset count = static_cast<Offset>(neighbors.size()) / arity;
   OrientedPatches result;
@@ -339,7 +368,8 @@ OrientedPatches walk_patches(const std::vector<FacetNumber>& neighbors, int dim)
 
 }  // namespace
 
-OrientedPatches orient_patches(const std::vector<FacetNumber>& neighbors, int arity,
+template <class Number>
+OrientedPatches orient_patches(const std::vector<Number>& neighbors, int arity,
                                const Execution& execution) {
   return detail::dispatch_dim(arity - 1, [&](auto k) {
     constexpr int dim = decltype(k)::value;
@@ -347,6 +377,21 @@ OrientedPatches orient_patches(const std::vector<FacetNumber>& neighbors, int ar
         orient_all<dim>(neighbors, arity - 1, execution);
     return patches ? std::move(*patches) : walk_patches<dim>(neighbors, arity - 1);
   });
+}
+
+template OrientedPatches orient_patches(const std::vector<std::int32_t>&, int,
+                                        const Execution&);
+template OrientedPatches orient_patches(const std::vector<FacetNumber>&, int,
+                                        const Execution&);
+
+OrientedPatches orient_patches(const SimplexArray& simplices, Index num_vertices,
+                               const Execution& execution) {
+  const auto orient = [&](auto number) {
+    return orient_patches(
+        facet_neighbors<decltype(number)>(simplices, num_vertices, execution),
+        simplices.arity, execution);
+  };
+  return has_few_facets(simplices) ? orient(std::int32_t{}) : orient(FacetNumber{});
 }
 
 std::optional<OrientedPatches> extend_patches(const SimplexArray& known,
@@ -375,7 +420,7 @@ std::optional<OrientedPatches> extend_patches(const SimplexArray& known,
   if (next < num_known) {
     return std::nullopt;
   }
-  detail::SignedSets sets(num_nodes);
+  detail::SignedSets<Offset> sets(num_nodes);
   std::vector<std::uint8_t> twisted(num_nodes, 0);
   std::vector<std::uint8_t> open(num_nodes, 0);
   for (std::size_t p = 0; p < patches.orientable.size(); ++p) {

@@ -2,8 +2,10 @@
 #include "complex/simplex_rows.hpp"
 
 #include "base/parallel.hpp"
+#include "base/parallel_csr.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <numeric>
 #include <utility>
 
@@ -15,25 +17,44 @@ constexpr Offset kBlock = 4096;
 
 }  // namespace
 
-Buckets::Buckets(const SimplexArray& simplices, int column, Index num_vertices)
-    : starts_(static_cast<std::size_t>(num_vertices) + 1, 0) {
-  bool sorted = true;
-  Index last = 0;
-  for (Offset s = 0; s < simplices.size(); ++s) {
-    const Index v = simplices[s][column];
-    sorted = sorted && v >= last;
-    last = v;
-    ++starts_[v + 1];
-  }
-  std::partial_sum(starts_.begin(), starts_.end(), starts_.begin());
+Buckets::Buckets(const SimplexArray& simplices, int column, Index num_vertices,
+                 const Execution& execution) {
+  std::atomic<bool> sorted{true};
+  for_each_block_uncounted(simplices.size(), kBlock, execution,
+                           [&](Offset begin, Offset end) {
+                             for (Offset s = std::max<Offset>(begin, 1); s < end; ++s) {
+                               if (simplices[s][column] < simplices[s - 1][column]) {
+                                 sorted = false;
+                                 return;
+                               }
+                             }
+                           });
+  starts_.assign(static_cast<std::size_t>(num_vertices) + 1, 0);
   if (sorted) {
+    for_each_block_uncounted(
+        simplices.size(), kBlock, execution, [&](Offset begin, Offset end) {
+          for (Offset s = begin; s < end; ++s) {
+            const Index v = simplices[s][column];
+            const bool last =
+                s + 1 == simplices.size() || simplices[s + 1][column] != v;
+            if (last) {
+              starts_[v + 1] = s + 1;
+            }
+          }
+        });
+    for (Index v = 0; v < num_vertices; ++v) {
+      starts_[v + 1] = std::max(starts_[v], starts_[v + 1]);
+    }
     return;
   }
-  rows_.resize(simplices.size());
-  std::vector<Offset> next(starts_.begin(), starts_.end() - 1);
-  for (Offset s = 0; s < simplices.size(); ++s) {
-    rows_[next[simplices[s][column]]++] = s;
-  }
+  Ragged<Offset> rows =
+      ragged_of<Offset>(num_vertices, execution, [&](const auto& add) {
+        for (Offset s = 0; s < simplices.size(); ++s) {
+          add(simplices[s][column], s);
+        }
+      });
+  starts_ = std::move(rows.offsets);
+  rows_ = std::move(rows.values);
 }
 
 std::vector<Offset> Buckets::take_rows() {
@@ -64,7 +85,7 @@ std::vector<Offset> row_order(const SimplexArray& simplices,
     return row_less(simplices[a] + 1, simplices[b] + 1, arity - 1);
   };
   // Buckets by the first column, then each on its own.
-  Buckets buckets(simplices, 0, last + 1);
+  Buckets buckets(simplices, 0, last + 1, execution);
   std::vector<Offset> order = buckets.take_rows();
   for_each_block_uncounted(last + 1, kBlock, execution, [&](Offset begin, Offset end) {
     for (Offset v = begin; v < end; ++v) {

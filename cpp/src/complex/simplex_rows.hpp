@@ -27,7 +27,8 @@ std::vector<Offset> row_order(const SimplexArray& simplices,
 /// The rows of an array by the vertex in one column; rows in that order are not copied.
 class Buckets {
  public:
-  Buckets(const SimplexArray& simplices, int column, Index num_vertices);
+  Buckets(const SimplexArray& simplices, int column, Index num_vertices,
+          const Execution& execution);
 
   Offset begin(Offset v) const { return starts_[v]; }
   Offset end(Offset v) const { return starts_[v + 1]; }

@@ -4,15 +4,14 @@
 #include "base/dispatch.hpp"
 #include "base/parallel.hpp"
 #include "base/waves.hpp"
-#include "complex/simplex_rows.hpp"
 
 #include <algorithm>
 
 namespace remanifold {
 namespace {
 
-constexpr Offset kBlock = 512;
-constexpr Offset kFewRows = 12;  // looked at one after the other
+/// Samples of one task; fewer where each has hundreds of simplices.
+constexpr Offset block_size(int dim) { return dim < 4 ? 512 : 64; }
 
 /// One sample's share of the simplices: those whose lowest vertex with a vote it is.
 template <int K>
@@ -25,8 +24,10 @@ class VoteCounter {
         others_(regions.dim) {}
 
   void count(Index x, StarSimplices& out) {
-    for (Offset r = regions_.star_offsets[x]; r < regions_.star_offsets[x + 1]; ++r) {
-      const Index* row = regions_.stars.data() + r * dim();
+    rows_.clear();
+    regions_.star(x).append_to(rows_);
+    for (const Index* row = rows_.data(); row != rows_.data() + rows_.size();
+         row += dim()) {
       int position = 0;
       for (; position < dim() && row[position] < x; ++position) {
         simplex_[position] = row[position];
@@ -54,30 +55,14 @@ class VoteCounter {
 
   /// Whether the star of the i-th vertex has the simplex.
   bool votes_for(int i) {
-    const Index vertex = simplex_[i];
     std::copy_n(simplex_.begin(), i, others_.begin());
     std::copy_n(simplex_.begin() + i + 1, dim() - i, others_.begin() + i);
-    Offset low = regions_.star_offsets[vertex];
-    Offset high = regions_.star_offsets[vertex + 1];
-    const Index* rows = regions_.stars.data();
-    while (high - low > kFewRows) {
-      const Offset middle = (low + high) / 2;
-      if (detail::row_less(rows + middle * dim(), others_.data(), dim())) {
-        low = middle + 1;
-      } else {
-        high = middle + 1;
-      }
-    }
-    for (; low < high; ++low) {
-      if (detail::row_equal(rows + low * dim(), others_.data(), dim())) {
-        return true;
-      }
-    }
-    return false;
+    return regions_.star(simplex_[i]).has(others_.data());
   }
 
   const LocalRegions& regions_;
   int dim_;
+  std::vector<Index> rows_;
   std::vector<Index> simplex_;
   std::vector<Index> others_;
 };
@@ -86,19 +71,21 @@ class VoteCounter {
 
 StarSimplices count_votes(const LocalRegions& regions, const Execution& execution) {
   const auto n = static_cast<Offset>(regions.star_offsets.size()) - 1;
+  const Offset block_length = block_size(regions.dim);
+  const Offset num_blocks = detail::blocks_of_wave(execution);
   std::vector<StarSimplices> blocks(
-      std::min((n + kBlock - 1) / kBlock, detail::kBlocksOfWave));
+      std::min((n + block_length - 1) / block_length, num_blocks));
   StarSimplices result;
   result.simplices.arity = regions.dim + 1;
-  const Offset wave_length = detail::kBlocksOfWave * kBlock;
+  const Offset wave_length = num_blocks * block_length;
   for (Offset wave = 0; wave < n; wave += wave_length) {
     const Offset last = std::min(n, wave + wave_length);
     detail::for_each_block_uncounted(
-        last - wave, kBlock, execution, [&](Offset begin, Offset end) {
+        last - wave, block_length, execution, [&](Offset begin, Offset end) {
           detail::dispatch_dim(regions.dim, [&](auto k) {
             VoteCounter<decltype(k)::value> counter(regions);
             for (Offset x = wave + begin; x < wave + end; ++x) {
-              counter.count(static_cast<Index>(x), blocks[begin / kBlock]);
+              counter.count(static_cast<Index>(x), blocks[begin / block_length]);
             }
           });
         });

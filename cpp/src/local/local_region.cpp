@@ -21,6 +21,7 @@
 #include <limits>
 #include <memory>
 #include <numeric>
+#include <stdexcept>
 
 namespace remanifold {
 namespace {
@@ -549,7 +550,8 @@ class RegionKernel {
 /// What one block of samples found, to be joined in order.
 struct Block {
   std::vector<Index> edge_sets;
-  std::vector<Index> stars;
+  std::vector<std::uint8_t> stars;
+  std::vector<Index> rows;  // of one star
 };
 
 template <int K>
@@ -567,8 +569,9 @@ void compute_all(const Samples& samples, const NeighborSearch& search,
   });
   const Offset n = samples.size();
   const Offset block_length = block_size(result.dim);
+  const Offset num_blocks = detail::blocks_of_wave(execution);
   std::vector<Block> blocks(
-      std::min((n + block_length - 1) / block_length, detail::kBlocksOfWave));
+      std::min((n + block_length - 1) / block_length, num_blocks));
   std::vector<Offset>& edge_counts = result.edge_sets.offsets;
   std::vector<Offset>& star_counts = result.star_offsets;
   edge_counts.assign(n + 1, 0);
@@ -592,11 +595,14 @@ void compute_all(const Samples& samples, const NeighborSearch& search,
       std::sort(block.edge_sets.begin() + static_cast<Offset>(before),
                 block.edge_sets.end());
       edge_counts[i + 1] = static_cast<Offset>(block.edge_sets.size() - before);
-      star_counts[i + 1] = kernel.region().append_star(block.stars);
+      block.rows.clear();
+      star_counts[i + 1] = kernel.region().append_star(block.rows);
+      Star::pack(block.rows, block.edge_sets.data() + before, edge_counts[i + 1],
+                 block.stars);
       result.squared_radii[i] = kernel.region().squared_radius();
     }
   };
-  const Offset wave_length = detail::kBlocksOfWave * block_length;
+  const Offset wave_length = num_blocks * block_length;
   for (Offset wave = 0; wave < n; wave += wave_length) {
     const Offset last = std::min(n, wave + wave_length);
     detail::for_each_block(
@@ -618,10 +624,77 @@ void compute_all(const Samples& samples, const NeighborSearch& search,
     result.coordinate_seconds += kernel.coordinate_seconds();
   }
   std::partial_sum(edge_counts.begin(), edge_counts.end(), edge_counts.begin());
+  result.star_starts.assign(n + 1, 0);
+  for (Offset i = 0; i < n; ++i) {
+    result.star_starts[i + 1] =
+        result.star_starts[i] +
+        star_counts[i + 1] * result.dim * Star::width_of(result.edge_sets.size(i));
+  }
   std::partial_sum(star_counts.begin(), star_counts.end(), star_counts.begin());
 }
 
 }  // namespace
+
+void Star::pack(const std::vector<Index>& rows, const Index* edge_set, Offset edges,
+                std::vector<std::uint8_t>& out) {
+  const int width = width_of(edges);
+  for (const Index vertex : rows) {
+    const Index* const found = std::lower_bound(edge_set, edge_set + edges, vertex);
+    if (found == edge_set + edges || *found != vertex) {
+      throw std::logic_error("a star simplex leaves the edge set");
+    }
+    auto place = static_cast<std::uint32_t>(found - edge_set);
+    for (int byte = 0; byte < width; ++byte, place >>= 8) {
+      out.push_back(static_cast<std::uint8_t>(place & 0xff));
+    }
+  }
+}
+
+Offset Star::place(Offset row, int i) const {
+  const std::uint8_t* bytes = places_ + (row * dim_ + i) * width_;
+  Offset result = bytes[0];
+  for (int byte = 1; byte < width_; ++byte) {
+    result |= Offset{bytes[byte]} << (8 * byte);
+  }
+  return result;
+}
+
+bool Star::has(const Index* vertices) const {
+  // Rows are in the order of their places: by the first, then one after the other.
+  const Index* const end = edge_set_ + edges_;
+  const Index* const first = std::lower_bound(edge_set_, end, vertices[0]);
+  if (first == end || *first != vertices[0]) {
+    return false;
+  }
+  Offset low = 0;
+  Offset high = size_;
+  while (low < high) {
+    const Offset middle = (low + high) / 2;
+    if (place(middle, 0) < first - edge_set_) {
+      low = middle + 1;
+    } else {
+      high = middle;
+    }
+  }
+  for (; low < size_ && place(low, 0) == first - edge_set_; ++low) {
+    int i = 1;
+    while (i < dim_ && vertex(low, i) == vertices[i]) {
+      ++i;
+    }
+    if (i == dim_) {
+      return true;
+    }
+  }
+  return false;
+}
+
+void Star::append_to(std::vector<Index>& rows) const {
+  for (Offset row = 0; row < size_; ++row) {
+    for (int i = 0; i < dim_; ++i) {
+      rows.push_back(vertex(row, i));
+    }
+  }
+}
 
 Index certifying_count(int dim) { return typical_count(dim); }
 

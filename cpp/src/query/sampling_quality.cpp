@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "remanifold/sampling_quality.hpp"
 
-#include "base/csr.hpp"
 #include "base/decompositions.hpp"
 #include "base/parallel.hpp"
+#include "base/parallel_csr.hpp"
 #include "base/small_systems.hpp"
+#include "complex/simplex_rows.hpp"
 #include "local/frame_fit.hpp"
 #include "local/local_coordinates.hpp"
 #include "remanifold/facets.hpp"
@@ -55,10 +56,13 @@ using Small = Factors::Matrix;
 using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxDim, 1>;
 
 /// The simplices at each vertex, in order.
-detail::Ragged<Offset> stars_of(const SimplexArray& simplices, Index num_vertices) {
-  return detail::ragged_of<Offset>(num_vertices, [&](const auto& add) {
-    for (std::size_t i = 0; i < simplices.vertices.size(); ++i) {
-      add(simplices.vertices[i], static_cast<Offset>(i) / simplices.arity);
+detail::Ragged<Offset> stars_of(const SimplexArray& simplices, Index num_vertices,
+                                const Execution& execution) {
+  return detail::ragged_of<Offset>(num_vertices, execution, [&](const auto& add) {
+    for (Offset s = 0; s < simplices.size(); ++s) {
+      for (int i = 0; i < simplices.arity; ++i) {
+        add(simplices[s][i], s);
+      }
     }
   });
 }
@@ -83,23 +87,26 @@ double dot(const double* a, const double* b, Eigen::Index count) {
 }
 
 /// A quadratic fit of normal vectors over tangent coordinates.
+/// \tparam K  or Eigen::Dynamic
+template <int K>
 class Quadric {
  public:
-  explicit Quadric(int dim) : dim_(dim), unknowns_(1 + dim + dim * (dim + 1) / 2) {}
+  explicit Quadric(int dim) : dim_(dim) {}
 
   /// \param tangents  m x K
   /// \param normals   m x r
   /// \returns the root mean square distance from the fit of the first `count` rows; NaN
   ///          where they are too few or lie badly
   double fit(const Columns& tangents, const Columns& normals, Eigen::Index count) {
-    if (count <= unknowns_) {
+    const int unknowns = num_unknowns();
+    if (count <= unknowns) {
       return kNaN;
     }
     if (!fill_design(tangents, count)) {
       return kNaN;
     }
-    gram_.resize(unknowns_, unknowns_);
-    for (int i = 0; i < unknowns_; ++i) {
+    gram_.resize(unknowns, unknowns);
+    for (int i = 0; i < unknowns; ++i) {
       for (int j = 0; j <= i; ++j) {
         gram_(i, j) = dot(column(i), column(j), count);
       }
@@ -107,23 +114,23 @@ class Quadric {
     factors_.compute(gram_);
     double least = kInfinity;
     double largest = -kInfinity;
-    for (int i = 0; i < unknowns_; ++i) {
+    for (int i = 0; i < unknowns; ++i) {
       least = std::min(least, factors_.pivot(i));
       largest = std::max(largest, factors_.pivot(i));
     }
     if (!(least > kFlatDesign * largest)) {
       return kNaN;
     }
-    solution_.resize(unknowns_, normals.cols());
+    solution_.resize(unknowns, normals.cols());
     double rest = 0;
     for (Eigen::Index axis = 0; axis < normals.cols(); ++axis) {
       const double* normal = normals.data() + axis * normals.rows();
-      for (int i = 0; i < unknowns_; ++i) {
+      for (int i = 0; i < unknowns; ++i) {
         solution_(i, axis) = dot(column(i), normal, count);
       }
       factors_.solve(solution_.col(axis));
       residual_.assign(normal, normal + count);
-      for (int i = 0; i < unknowns_; ++i) {
+      for (int i = 0; i < unknowns; ++i) {
         const double* term = column(i);
         const double factor = solution_(i, axis);
         for (Eigen::Index row = 0; row < count; ++row) {
@@ -132,20 +139,20 @@ class Quadric {
       }
       rest += dot(residual_.data(), residual_.data(), count);
     }
-    return std::sqrt(rest / static_cast<double>(count - unknowns_));
+    return std::sqrt(rest / static_cast<double>(count - unknowns));
   }
 
   /// The largest norm of II(u, .) over unit vectors u, of the last fit.
   double curvature() {
     const auto row_of = [&](int i, int j) {
       const int high = std::max(i, j);
-      return 1 + dim_ + high * (high + 1) / 2 + std::min(i, j);
+      return 1 + dim() + high * (high + 1) / 2 + std::min(i, j);
     };
-    products_.resize(dim_, dim_);
-    for (int i = 0; i < dim_; ++i) {
+    products_.resize(dim(), dim());
+    for (int i = 0; i < dim(); ++i) {
       for (int j = 0; j <= i; ++j) {
         double sum = 0;
-        for (int k = 0; k < dim_; ++k) {
+        for (int k = 0; k < dim(); ++k) {
           const double times = (i == k ? 2.0 : 1.0) * (j == k ? 2.0 : 1.0);
           double product = 0;
           for (Eigen::Index axis = 0; axis < solution_.cols(); ++axis) {
@@ -161,7 +168,12 @@ class Quadric {
 
  private:
   static constexpr double kFlatDesign = 1e-10;
+  static constexpr int kUnknowns =
+      K == Eigen::Dynamic ? Eigen::Dynamic : 1 + K + K * (K + 1) / 2;
+  using Factors = detail::SymmetricFactors<kUnknowns>;
 
+  int dim() const { return K == Eigen::Dynamic ? dim_ : K; }
+  int num_unknowns() const { return 1 + dim() + dim() * (dim() + 1) / 2; }
   double* column(int i) { return design_.data() + i * design_.rows(); }
 
   /// 1, the coordinates in units of the farthest, and their products.
@@ -169,7 +181,7 @@ class Quadric {
     double farthest = 0;
     for (Eigen::Index row = 0; row < count; ++row) {
       double squared = 0;
-      for (int i = 0; i < dim_; ++i) {
+      for (int i = 0; i < dim(); ++i) {
         squared += tangents(row, i) * tangents(row, i);
       }
       farthest = std::max(farthest, squared);
@@ -178,10 +190,10 @@ class Quadric {
     if (!(size_ > 0)) {
       return false;
     }
-    design_.resize(count, unknowns_);
+    design_.resize(count, num_unknowns());
     std::fill_n(column(0), count, 1.0);
-    int next = 1 + dim_;
-    for (int i = 0; i < dim_; ++i) {
+    int next = 1 + dim();
+    for (int i = 0; i < dim(); ++i) {
       double* own = column(1 + i);
       for (Eigen::Index row = 0; row < count; ++row) {
         own[row] = tangents(row, i) / size_;
@@ -199,24 +211,23 @@ class Quadric {
 
   /// Of the products, of which the lower triangle is filled.
   double largest_eigenvalue() {
-    if (dim_ == 1) {
+    if (dim() == 1) {
       return products_(0, 0);
     }
-    if (dim_ == 2) {
+    if (dim() == 2) {
       const double mean = (products_(0, 0) + products_(1, 1)) / 2;
       const double half = (products_(0, 0) - products_(1, 1)) / 2;
       return mean + std::hypot(half, products_(1, 0));
     }
     eigen_.compute(products_, Eigen::EigenvaluesOnly);
-    return eigen_.eigenvalues()[dim_ - 1];
+    return eigen_.eigenvalues()[dim() - 1];
   }
 
   int dim_;
-  int unknowns_;
   double size_ = 0;
   Columns design_;
-  detail::SymmetricFactors<Eigen::Dynamic>::Matrix gram_;
-  detail::SymmetricFactors<Eigen::Dynamic> factors_;
+  typename Factors::Matrix gram_;
+  Factors factors_;
   Columns solution_;  // unknowns x r
   std::vector<double> residual_;
   Eigen::MatrixXd products_;
@@ -232,39 +243,66 @@ struct Result {
   std::vector<std::uint8_t> rim;
 };
 
-Csr adjacency_of(const SimplexArray& simplices, Index num_vertices) {
-  const SimplexArray edges = edges_of(simplices, num_vertices);
-  return detail::csr_of(num_vertices, [&](const auto& add) {
-    for (Offset e = 0; e < edges.size(); ++e) {
-      add(edges[e][0], edges[e][1]);
-      add(edges[e][1], edges[e][0]);
-    }
+/// The other vertices of the simplices at each vertex, ascending.
+Csr adjacency_of(const SimplexArray& simplices, const detail::Ragged<Offset>& stars,
+                 const Execution& execution) {
+  Csr result;
+  result.offsets.assign(stars.offsets.size(), 0);
+  // Once for the numbers, once for the vertices.
+  const auto go_through = [&](const auto& take) {
+    detail::for_each_block_uncounted(
+        stars.rows(), kBlock, execution, [&](Offset begin, Offset end) {
+          std::vector<Index> others;
+          for (Offset v = begin; v < end; ++v) {
+            others.clear();
+            for (const Offset* s = stars.begin(v); s != stars.end(v); ++s) {
+              for (int i = 0; i < simplices.arity; ++i) {
+                if (simplices[*s][i] != v) {
+                  others.push_back(simplices[*s][i]);
+                }
+              }
+            }
+            detail::sort_few(others.begin(), others.end(), std::less<>());
+            others.erase(std::unique(others.begin(), others.end()), others.end());
+            take(v, others);
+          }
+        });
+  };
+  go_through([&](Offset v, const std::vector<Index>& others) {
+    result.offsets[v + 1] = static_cast<Offset>(others.size());
   });
+  std::partial_sum(result.offsets.begin(), result.offsets.end(),
+                   result.offsets.begin());
+  result.indices.resize(result.offsets.back());
+  go_through([&](Offset v, const std::vector<Index>& others) {
+    std::copy(others.begin(), others.end(), result.indices.begin() + result.offsets[v]);
+  });
+  return result;
 }
 
 std::vector<std::uint8_t> rim_of(const SimplexArray& simplices,
                                  const std::vector<FacetNumber>& neighbors,
-                                 Index num_vertices) {
+                                 const detail::Ragged<Offset>& stars,
+                                 const Execution& execution) {
   const int arity = simplices.arity;
-  std::vector<std::uint8_t> rim(num_vertices, 0);
-  for (std::size_t f = 0; f < neighbors.size(); ++f) {
-    if (neighbors[f] == kOpen) {
-      const Offset s = static_cast<Offset>(f) / arity;
-      for (int i = 0; i < arity; ++i) {
-        if (i != static_cast<Offset>(f) % arity) {
-          rim[simplices[s][i]] = 2;
-        }
-      }
-    }
-  }
-  for (Offset s = 0; s < simplices.size(); ++s) {
-    const Index* simplex = simplices[s];
-    if (std::any_of(simplex, simplex + arity, [&](Index v) { return rim[v] == 2; })) {
-      for (int i = 0; i < arity; ++i) {
-        rim[simplex[i]] = std::max<std::uint8_t>(rim[simplex[i]], 1);
-      }
-    }
-  }
+  const auto mark = [&](auto& rim, std::uint8_t value, const auto& is_rim) {
+    detail::for_each_block_uncounted(
+        stars.rows(), kBlock, execution, [&](Offset begin, Offset end) {
+          for (Offset v = begin; v < end; ++v) {
+            for (const Offset* s = stars.begin(v); s != stars.end(v); ++s) {
+              for (int i = 0; i < arity; ++i) {
+                if (rim[v] == 0 && simplices[*s][i] != v && is_rim(*s, i)) {
+                  rim[v] = value;
+                }
+              }
+            }
+          }
+        });
+  };
+  std::vector<std::uint8_t> on_open(stars.rows(), 0);
+  mark(on_open, 2, [&](Offset s, int i) { return neighbors[s * arity + i] == kOpen; });
+  std::vector<std::uint8_t> rim = on_open;
+  mark(rim, 1, [&](Offset s, int i) { return on_open[simplices[s][i]] == 2; });
   return rim;
 }
 
@@ -274,13 +312,15 @@ class QualityKernel {
  public:
   QualityKernel(const Samples& samples, const Neighborhoods& neighborhoods,
                 const std::vector<double>& scales, const Result& result, int dim,
-                Index narrow)
+                Index narrow, Index wide, const double* tangents)
       : samples_(samples),
         neighborhoods_(neighborhoods),
         scales_(scales),
         result_(result),
         dim_(dim),
-        narrow_(std::min(narrow, neighborhoods.count)),
+        narrow_(narrow),
+        wide_(wide),
+        tangents_given_(tangents),
         distances_(samples, neighborhoods),
         frame_fit_(dim),
         quadric_(dim),
@@ -288,13 +328,18 @@ class QualityKernel {
 
   void measure(Index x, SamplingQuality& out) {
     find_strange(x, out);
-    list_.assign(neighborhoods_.of(x), neighborhoods_.of(x) + neighborhoods_.count);
-    const auto wide = static_cast<Eigen::Index>(list_.size());
+    list_.assign(neighborhoods_.of(x), neighborhoods_.of(x) + wide_);
+    const auto wide = static_cast<Eigen::Index>(wide_);
+    places_.clear();
     for (Offset i = result_.adjacent.offsets[x]; i < result_.adjacent.offsets[x + 1];
          ++i) {
       const Index v = result_.adjacent.indices[i];
-      if (std::find(list_.begin(), list_.begin() + wide, v) == list_.begin() + wide) {
+      const auto found = std::find(list_.begin(), list_.begin() + wide, v);
+      if (found == list_.begin() + wide) {
+        places_.push_back(static_cast<Offset>(list_.size()));
         list_.push_back(v);
+      } else {
+        places_.push_back(found - list_.begin());
       }
     }
     out.scatter[x] = out.wide_scatter[x] = out.curvature[x] = out.reach[x] = kNaN;
@@ -323,6 +368,11 @@ class QualityKernel {
 
  private:
   static constexpr double kFlat = 1e-7;
+  using Frame = typename detail::FrameFit<K, D>::Frame;
+  using Square = Eigen::Matrix<double, K, K, 0, K == Eigen::Dynamic ? kMaxDim : K,
+                               K == Eigen::Dynamic ? kMaxDim : K>;
+
+  int dim() const { return K == Eigen::Dynamic ? dim_ : K; }
 
   static double squared_length(const Columns& rows, Eigen::Index i) {
     double sum = 0;
@@ -334,11 +384,11 @@ class QualityKernel {
 
   /// What of the vectors is tangent, in the frame, and what is normal.
   void split_vectors() {
-    const auto& frame = frame_fit_.frame();
+    const Frame& frame = frame_;
     const Eigen::Index rows = vectors_.rows();
-    tangents_.setZero(rows, dim_);
+    tangents_.setZero(rows, dim());
     normals_ = vectors_;
-    for (int k = 0; k < dim_; ++k) {
+    for (int k = 0; k < dim(); ++k) {
       double* tangent = tangents_.data() + k * rows;
       for (Eigen::Index axis = 0; axis < vectors_.cols(); ++axis) {
         const double* own = vectors_.data() + axis * rows;
@@ -348,7 +398,7 @@ class QualityKernel {
         }
       }
     }
-    for (int k = 0; k < dim_; ++k) {
+    for (int k = 0; k < dim(); ++k) {
       const double* tangent = tangents_.data() + k * rows;
       for (Eigen::Index axis = 0; axis < vectors_.cols(); ++axis) {
         double* normal = normals_.data() + axis * rows;
@@ -379,6 +429,13 @@ class QualityKernel {
         }
       }
     }
+    if (tangents_given_ != nullptr) {
+      frame_ = Eigen::Map<const Frame>(
+          tangents_given_ + static_cast<std::size_t>(samples_.input_index(x)) * dim_ *
+                                vectors_.cols(),
+          dim_, vectors_.cols());
+      return !std::isnan(frame_(0, 0));
+    }
     frame_fit_.resize(narrow_, vectors_.cols());
     for (Index i = 0; i < narrow_; ++i) {
       for (Eigen::Index axis = 0; axis < vectors_.cols(); ++axis) {
@@ -390,6 +447,7 @@ class QualityKernel {
     }
     frame_fit_.refine();
     frame_fit_.refine();
+    frame_ = frame_fit_.frame();
     return true;
   }
 
@@ -401,7 +459,7 @@ class QualityKernel {
       return;
     }
     unreached_.clear();
-    for (Index k = 0; k < neighborhoods_.count; ++k) {
+    for (Index k = 0; k < wide_; ++k) {
       const Index q = neighborhoods_.of(x)[k];
       const double squared = samples_.squared_distance(x, q);
       if (squared >= scales_[x] * scales_[x]) {
@@ -484,10 +542,11 @@ class QualityKernel {
   double share_of_star(Index x) {
     double flat = 0;
     double whole = 0;
-    const int arity = dim_ + 1;
-    edges_.resize(dim_, dim_);
-    gram_.resize(dim_, dim_);
-    numbers_.resize(dim_);
+    const int arity = dim() + 1;
+    edges_.resize(dim(), dim());
+    gram_.resize(dim(), dim());
+    numbers_.resize(dim());
+    const Index* adjacent = result_.adjacent.begin(x);
     for (const Offset* s = result_.stars.begin(x); s != result_.stars.end(x); ++s) {
       const Index* simplex = result_.simplices[*s];
       int row = 0;
@@ -495,9 +554,9 @@ class QualityKernel {
         if (simplex[i] == x) {
           continue;
         }
-        const auto place = std::find(list_.begin(), list_.end(), simplex[i]);
-        numbers_[row] = place - list_.begin();
-        for (int k = 0; k < dim_; ++k) {
+        const Index* found = std::find(adjacent, result_.adjacent.end(x), simplex[i]);
+        numbers_[row] = places_[found - adjacent];
+        for (int k = 0; k < dim(); ++k) {
           edges_(row, k) = tangents_(numbers_[row], k);
         }
         for (int other = 0; other <= row; ++other) {
@@ -521,16 +580,20 @@ class QualityKernel {
   const Result& result_;
   int dim_;
   Index narrow_;
+  Index wide_;
+  const double* tangents_given_;
   detail::KnownDistances distances_;
   detail::LocalCoordinates coordinates_;
   detail::FrameFit<K, D> frame_fit_;
-  Quadric quadric_;
-  std::vector<Index> list_;
+  Frame frame_;
+  Quadric<K> quadric_;
+  std::vector<Index> list_;     // neighbors, then adjacent samples that are none
+  std::vector<Offset> places_;  // of the adjacent ones in it
   Columns vectors_;
   Columns tangents_;
   Columns normals_;
-  Small edges_;
-  Small gram_;
+  Square edges_;
+  Square gram_;
   std::vector<Offset> numbers_;
   std::vector<Neighbor> unreached_;
   std::vector<Index> seen_;                     // by whom last
@@ -577,17 +640,17 @@ double empty_radius(const Samples& samples, const Index* simplex, int arity) {
 /// The median of h over the wide neighborhood: at the rim of a hole h itself is too large,
 /// half of the neighbors are missing.
 std::vector<double> undisturbed_scales(const std::vector<double>& scales,
-                                       const Neighborhoods& neighborhoods,
+                                       const Neighborhoods& neighborhoods, Index wide,
                                        const Execution& execution) {
   std::vector<double> result(scales.size());
   detail::for_each_block_uncounted(
       static_cast<Offset>(scales.size()), kBlock, execution,
       [&](Offset begin, Offset end) {
-        std::vector<double> near(neighborhoods.count + 1);
+        std::vector<double> near(wide + 1);
         for (Offset i = begin; i < end; ++i) {
           const auto x = static_cast<Index>(i);
           near[0] = scales[x];
-          for (Index k = 0; k < neighborhoods.count; ++k) {
+          for (Index k = 0; k < wide; ++k) {
             near[k + 1] = scales[neighborhoods.of(x)[k]];
           }
           const auto middle = near.begin() + static_cast<Offset>(near.size() / 2);
@@ -693,12 +756,16 @@ class ShapeOfResult {
 };
 
 template <class T>
-void to_input(const std::vector<Index>& canonical, std::vector<T>& values,
-              double factor) {
+void to_input(const std::vector<Index>& canonical, double factor,
+              const Execution& execution, std::vector<T>& values) {
   std::vector<T> result(canonical.size());
-  for (std::size_t i = 0; i < canonical.size(); ++i) {
-    result[i] = static_cast<T>(values[canonical[i]] * factor);
-  }
+  detail::for_each_block_uncounted(
+      static_cast<Offset>(canonical.size()), kBlock, execution,
+      [&](Offset begin, Offset end) {
+        for (Offset i = begin; i < end; ++i) {
+          result[i] = static_cast<T>(values[canonical[i]] * factor);
+        }
+      });
   values = std::move(result);
 }
 
@@ -710,21 +777,28 @@ SamplingQuality measure_quality(const Samples& samples, const NeighborSearch& se
                                 const Execution& execution) {
   const Index n = samples.size();
   const int dim = options.dim;
-  const Index narrow =
-      options.num_neighbors > 0 ? options.num_neighbors : jet_neighbors(dim);
-  const Neighborhoods neighborhoods =
-      find_neighborhoods(samples, search, 2 * narrow, execution);
+  Index narrow = options.num_neighbors > 0 ? options.num_neighbors : jet_neighbors(dim);
+  Neighborhoods neighborhoods = find_neighborhoods(
+      samples, search, std::max(2 * narrow, options.num_listed), execution);
+  // Where the fits see other coordinates than D, they have frames of their own.
+  const double* const tangents = samples.has_points() && samples.ambient_dim() <= narrow
+                                     ? options.tangents
+                                     : nullptr;
+  const Index wide = std::min(2 * narrow, neighborhoods.count);
+  narrow = std::min(narrow, neighborhoods.count);
   const std::vector<double> scales =
       local_scales(samples, neighborhoods, dim, execution);
 
   Result result;
-  result.simplices = to_canonical(samples, simplices);
+  // In their order what is near in space is near in memory.
+  result.simplices =
+      detail::sorted_unique(to_canonical(samples, simplices, execution), execution);
   result.neighbors = facet_neighbors(result.simplices, n, execution);
-  result.stars = stars_of(result.simplices, n);
-  result.adjacent = adjacency_of(result.simplices, n);
-  result.rim = rim_of(result.simplices, result.neighbors, n);
+  result.stars = stars_of(result.simplices, n, execution);
+  result.adjacent = adjacency_of(result.simplices, result.stars, execution);
+  result.rim = rim_of(result.simplices, result.neighbors, result.stars, execution);
   const ShapeOfResult shape(samples, scales,
-                            undisturbed_scales(scales, neighborhoods, execution),
+                            undisturbed_scales(scales, neighborhoods, wide, execution),
                             result, execution);
 
   SamplingQuality out;
@@ -737,8 +811,10 @@ SamplingQuality measure_quality(const Samples& samples, const NeighborSearch& se
   out.rim = result.rim;
   const auto run = [&](auto k, auto d) {
     using Kernel = QualityKernel<decltype(k)::value, decltype(d)::value>;
-    detail::PerThread<Kernel> kernels(
-        [&] { return Kernel(samples, neighborhoods, scales, result, dim, narrow); });
+    detail::PerThread<Kernel> kernels([&] {
+      return Kernel(samples, neighborhoods, scales, result, dim, narrow, wide,
+                    tangents);
+    });
     detail::for_each_block_uncounted(n, kGroup, execution,
                                      [&](Offset begin, Offset end) {
                                        Kernel& kernel = kernels.local();
@@ -762,13 +838,20 @@ SamplingQuality measure_quality(const Samples& samples, const NeighborSearch& se
   const double scale = samples.scale();
   for (std::vector<double>* lengths : {&out.spacing, &out.scatter, &out.wide_scatter,
                                        &out.reach, &out.nearest_strange}) {
-    to_input(canonical, *lengths, scale);
+    to_input(canonical, scale, execution, *lengths);
   }
-  to_input(canonical, out.curvature, 1 / scale);
+  to_input(canonical, 1 / scale, execution, out.curvature);
   for (std::vector<double>* ratios : {&out.tangent_share, &out.fold, &out.gap}) {
-    to_input(canonical, *ratios, 1.0);
+    to_input(canonical, 1.0, execution, *ratios);
   }
-  to_input(canonical, out.rim, 1.0);
+  to_input(canonical, 1.0, execution, out.rim);
+  if (options.num_listed > 0) {
+    out.listed = std::move(neighborhoods);
+    out.listed_numbers.resize(n);
+    for (Index i = 0; i < n; ++i) {
+      out.listed_numbers[i] = samples.input_index(i);
+    }
+  }
   return out;
 }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "remanifold/topology.hpp"
 
-#include "base/csr.hpp"
 #include "base/disjoint_sets.hpp"
 #include "base/mix_bits.hpp"
 #include "base/parallel.hpp"
+#include "base/parallel_csr.hpp"
 #include "base/sort_unique.hpp"
 #include "complex/simplex_rows.hpp"
 #include "query/collapse.hpp"
@@ -482,22 +482,24 @@ struct LinkFindings {
 };
 
 /// The links of the marked vertices.
+/// \tparam Number         counts the simplices
 /// \param certify         as of LinkShapes
 /// \param for_each_block  runs a body(begin, end) on all vertices
-template <class Loop>
-LinkFindings look_at_links(const SimplexArray& simplices,
+template <class Number, class Loop>
+LinkFindings look_by_stars(const SimplexArray& simplices,
                            const std::vector<std::uint8_t>& marked, bool certify,
-                           const Loop& for_each_block) {
+                           const Execution& execution, const Loop& for_each_block) {
   const auto num_vertices = static_cast<Offset>(marked.size());
-  const auto stars = detail::ragged_of<Offset>(num_vertices, [&](const auto& add) {
-    for (Offset s = 0; s < simplices.size(); ++s) {
-      for (int i = 0; i < simplices.arity; ++i) {
-        if (marked[simplices[s][i]] != 0) {
-          add(simplices[s][i], s);
+  const auto stars =
+      detail::ragged_of<Number>(num_vertices, execution, [&](const auto& add) {
+        for (Offset s = 0; s < simplices.size(); ++s) {
+          for (int i = 0; i < simplices.arity; ++i) {
+            if (marked[simplices[s][i]] != 0) {
+              add(simplices[s][i], static_cast<Number>(s));
+            }
+          }
         }
-      }
-    }
-  });
+      });
   constexpr std::uint8_t singular = 1;
   constexpr std::uint8_t undecided = 2;
   std::vector<std::uint8_t> found(marked.size(), 0);
@@ -509,7 +511,7 @@ LinkFindings look_at_links(const SimplexArray& simplices,
         continue;
       }
       link.vertices.clear();
-      for (const Offset* s = stars.begin(v); s != stars.end(v); ++s) {
+      for (const Number* s = stars.begin(v); s != stars.end(v); ++s) {
         append_opposite(simplices[*s], static_cast<Index>(v), link);
       }
       const LinkShape shape = shapes.of_vertex(static_cast<Index>(v), link);
@@ -524,6 +526,17 @@ LinkFindings look_at_links(const SimplexArray& simplices,
     }
   }
   return result;
+}
+
+/// The same; rows of simplices are numbered in 32 bits where that is enough.
+template <class Loop>
+LinkFindings look_at_links(const SimplexArray& simplices,
+                           const std::vector<std::uint8_t>& marked, bool certify,
+                           const Execution& execution, const Loop& for_each_block) {
+  return has_few_facets(simplices) ? look_by_stars<Index>(simplices, marked, certify,
+                                                          execution, for_each_block)
+                                   : look_by_stars<Offset>(simplices, marked, certify,
+                                                           execution, for_each_block);
 }
 
 void validate(const SimplexArray& simplices, Index num_vertices) {
@@ -700,7 +713,7 @@ Topology compute_topology(const SimplexArray& simplices, Index num_vertices,
   execution.poll();
   detail::begin_step(execution, Step::kTopology, num_vertices);
   LinkFindings links = look_at_links(
-      simplices, std::vector<std::uint8_t>(num_vertices, 1), true,
+      simplices, std::vector<std::uint8_t>(num_vertices, 1), true, execution,
       [&](const auto& body) {
         detail::for_each_block(num_vertices, kLinksOfBlock, execution, body);
       });
@@ -712,9 +725,7 @@ Topology compute_topology(const SimplexArray& simplices, Index num_vertices,
 std::vector<Index> singular_vertices(const SimplexArray& simplices,
                                      const std::vector<std::uint8_t>& marked,
                                      const Execution& execution) {
-  const SimplexArray near = detail::select_rows(
-      simplices, detail::rows_near(simplices, marked, 1, execution));
-  return look_at_links(near, marked, false,
+  return look_at_links(simplices, marked, false, execution,
                        [&](const auto& body) {
                          detail::for_each_block_uncounted(
                              static_cast<Offset>(marked.size()), kLinksOfBlock,

@@ -5,6 +5,7 @@
 #include "complex/simplex_rows.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <numeric>
 
@@ -43,7 +44,8 @@ TangentSpaces to_input(const Samples& samples, const TangentSpaces& tangents,
     result.coefficients.resize(n * num_values);
     result.neighbors.resize(n * count);
   }
-  result.simplices.resize(n * arity);
+  const bool enclosed = !tangents.simplices.empty();
+  result.simplices.resize(enclosed ? n * arity : 0);
   result.boundary.resize(n);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto leave_out = [&](Offset i) {
@@ -54,7 +56,7 @@ TangentSpaces to_input(const Samples& samples, const TangentSpaces& tangents,
       std::fill_n(result.coefficients.data() + i * num_values, num_values, nan);
       std::fill_n(result.neighbors.data() + i * count, count, 0);
     }
-    std::fill_n(result.simplices.data() + i * arity, arity, -1);
+    std::fill_n(result.simplices.data() + i * arity, enclosed ? arity : 0, -1);
     result.boundary[i] = 1;
   };
   detail::for_each_block_uncounted(
@@ -77,7 +79,7 @@ TangentSpaces to_input(const Samples& samples, const TangentSpaces& tangents,
                   samples.input_index(tangents.neighbors[c * count + k]);
             }
           }
-          for (std::size_t k = 0; k < arity; ++k) {
+          for (std::size_t k = 0; enclosed && k < arity; ++k) {
             const Index vertex = tangents.simplices[c * arity + k];
             result.simplices[i * arity + k] =
                 vertex < 0 ? -1 : samples.input_index(vertex);
@@ -119,9 +121,8 @@ Csr stars_to_input(const Samples& samples, const LocalRegions& regions,
         std::vector<const Index*> order;
         for (Offset i = begin; i < end; ++i) {
           const Index self = samples.input_index(static_cast<Index>(i));
-          const Offset first = regions.star_offsets[i] * dim;
-          rows.assign(regions.stars.begin() + first,
-                      regions.stars.begin() + regions.star_offsets[i + 1] * dim);
+          rows.clear();
+          regions.star(i).append_to(rows);
           for (Index& j : rows) {
             j = samples.input_index(j);
           }
@@ -144,15 +145,18 @@ std::vector<Index> to_input(const Samples& samples, std::vector<Index> vertices)
   return vertices;
 }
 
-SimplexArray to_canonical(const Samples& samples, SimplexArray simplices) {
+SimplexArray to_canonical(const Samples& samples, SimplexArray simplices,
+                          const Execution& execution) {
   const std::vector<Index> canonical = samples.canonical_indices();
-  for (Index& v : simplices.vertices) {
-    v = canonical[v];
-  }
-  for (Offset s = 0; s < simplices.size(); ++s) {
-    const auto row = simplices.vertices.begin() + s * simplices.arity;
-    std::sort(row, row + simplices.arity);
-  }
+  detail::for_each_block_uncounted(
+      simplices.size(), kBlock, execution, [&](Offset begin, Offset end) {
+        for (Offset s = begin; s < end; ++s) {
+          const auto row = simplices.vertices.begin() + s * simplices.arity;
+          std::transform(row, row + simplices.arity, row,
+                         [&](Index v) { return canonical[v]; });
+          detail::sort_few(row, row + simplices.arity, std::less<>());
+        }
+      });
   return simplices;
 }
 
@@ -168,18 +172,17 @@ std::vector<std::uint8_t> flags_to_canonical(const Samples& samples,
   return result;
 }
 
-SimplexArray to_input(const Samples& samples, const SimplexArray& simplices,
+SimplexArray to_input(const Samples& samples, SimplexArray mapped,
                       const std::vector<std::int8_t>& signs,
                       const Execution& execution) {
-  const int arity = simplices.arity;
-  SimplexArray mapped{arity, std::vector<Index>(simplices.vertices.size())};
+  const int arity = mapped.arity;
   std::vector<std::int8_t> parity(signs);
   detail::for_each_block_uncounted(
       mapped.size(), kBlock, execution, [&](Offset begin, Offset end) {
         for (Offset s = begin; s < end; ++s) {
           Index* row = mapped.vertices.data() + s * arity;
           for (int i = 0; i < arity; ++i) {
-            row[i] = samples.input_index(simplices[s][i]);
+            row[i] = samples.input_index(row[i]);
             for (int j = i; j > 0 && row[j - 1] > row[j]; --j) {
               std::swap(row[j - 1], row[j]);
               if (!parity.empty()) {
@@ -190,7 +193,7 @@ SimplexArray to_input(const Samples& samples, const SimplexArray& simplices,
         }
       });
   const std::vector<Offset> order = detail::row_order(mapped, execution);
-  SimplexArray result{arity, std::vector<Index>(simplices.vertices.size())};
+  SimplexArray result{arity, std::vector<Index>(mapped.vertices.size())};
   detail::for_each_block_uncounted(
       mapped.size(), kBlock, execution, [&](Offset begin, Offset end) {
         for (Offset s = begin; s < end; ++s) {

@@ -21,7 +21,9 @@ from remanifold.judging.removal import mark_rows, removal_changes
 from remanifold.judging.singularities import (
     KINDS,
     LOWER,
-    singularities_of,
+    Neighbors,
+    neighbors_wanted,
+    places_among,
     verdict_on,
 )
 from remanifold.method.dimension import other_dimension
@@ -366,7 +368,7 @@ class _Sign(NamedTuple):
 def assess(rec: ReconstructionData) -> Quality:
     """Measure the samples of a reconstruction and judge."""
     source = rec._source
-    measured = _measure(source, rec)
+    measured, neighbors = _measure(source, rec)
     spacing, reach = measured["spacing"], measured["reach"]
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = spacing / reach
@@ -388,7 +390,7 @@ def assess(rec: ReconstructionData) -> Quality:
     signs = sorted(_signs(findings), key=lambda sign: not sign.strong)
     signs += _outliers(rec)
     if signs or findings.num_samples <= FEW:
-        signs = [*_singularities(rec, findings, source), *signs]
+        signs = [*_singularities(findings, source, neighbors), *signs]
     if not any(sign.strong for sign in signs) and len(signs) < 2:
         signs = []
     fitting = None if rec.smoothing is None else rec.smoothing.fitting_dim
@@ -486,31 +488,50 @@ def _only_boundary(dim: int) -> str:
     )
 
 
-def _measure(samples: Input, rec: ReconstructionData) -> dict[str, NDArray[Any]]:
+def _jets(rec: ReconstructionData) -> NDArray[np.float64] | None:
+    """Tangent spaces of the result, where the core would fit the same ones."""
+    usual = rec.estimator == "jet" and rec.num_neighbors == _fitted(rec.dim)
+    # Of few samples half are fitted to.
+    own = rec.representatives == np.arange(rec.num_samples)
+    usual &= np.count_nonzero(own) - len(rec.left_out) > 2 * rec.num_neighbors
+    # In many coordinates it fits others, and writing them out costs more than that.
+    direct = rec.ambient_dim is not None and rec.ambient_dim <= rec.num_neighbors
+    return rec.tangents if usual and direct and rec.search != "approximate" else None
+
+
+def _measure(
+    samples: Input, rec: ReconstructionData
+) -> tuple[dict[str, NDArray[Any]], Neighbors]:
     """By the core, as if there were no outliers; theirs is NaN, or nothing."""
     kept = np.ones(rec.num_samples, dtype=bool)
     kept[rec.left_out] = False
     simplices = rec.simplices
+    tangents = _jets(rec)
     if len(rec.left_out):
         samples = samples.subset(kept)
         number = np.cumsum(kept, dtype=np.int32) - np.int32(1)
         simplices = number[simplices]
+        tangents = None if tangents is None else tangents[kept]
     measured: dict[str, NDArray[Any]] = _core.quality(
         samples,
         simplices,
+        tangents,
         num_neighbors=0,
+        num_listed=neighbors_wanted(rec.dim),
         search=rec.search,
         checks=_core.CHECKS,
         num_threads=0,
         progress=None,
     )
+    near, numbers = measured.pop("near"), measured.pop("numbers")
     if len(rec.left_out):
+        numbers = np.flatnonzero(kept).astype(np.int32)[numbers]
         for name, values in measured.items():
             nothing = np.nan if values.dtype.kind == "f" else 0
             spread = np.full(rec.num_samples, nothing, dtype=values.dtype)
             spread[kept] = values
             measured[name] = spread
-    return measured
+    return measured, Neighbors(numbers, near)
 
 
 def _share(
@@ -583,26 +604,24 @@ def _fitted(dim: int) -> int:
 
 
 def _singularities(
-    rec: ReconstructionData, found: _Findings, samples: Input
+    found: _Findings, samples: Input, neighbors: Neighbors
 ) -> Iterator[_Sign]:
     """Where the samples are no K-manifold at all."""
-    kept = np.ones(rec.num_samples, dtype=bool)
-    kept[rec.left_out] = False
-    if np.count_nonzero(kept) <= 2 * rec.dim + 2:
+    if len(neighbors.samples) <= 2 * found.dim + 2:
         return
-    numbers = np.flatnonzero(kept).astype(np.int32)
-    places = [
-        place._replace(samples=numbers[place.samples])
-        for place in singularities_of(samples.subset(kept), rec.dim).places
-    ]
     places = [
         place
-        for place in places
+        for place in places_among(samples, found.dim, neighbors).places
         if place.kind != KINDS[LOWER] or not _is_covered(found, place.samples)
     ]
     if places:
         marked = np.unique(np.concatenate([place.samples for place in places]))
-        yield _Sign(True, verdict_on(rec.dim, places), marked, kind="singular")
+        yield _Sign(
+            True,
+            verdict_on(found.dim, places),
+            marked.astype(np.int64),
+            kind="singular",
+        )
 
 
 def _is_covered(found: _Findings, samples: NDArray[Any]) -> bool:

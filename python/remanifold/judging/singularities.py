@@ -163,15 +163,33 @@ def _scales(dim: int, num_neighbors: int | None) -> _Scales:
     return scales if num_neighbors is None else scales._replace(branches=num_neighbors)
 
 
+class Neighbors(NamedTuple):
+    """Neighborhoods that somebody has found already."""
+
+    samples: NDArray[np.int32]  # whose they are
+    near: NDArray[np.int32]  # places among these, nearest first
+
+
 class _Samples(NamedTuple):
     """Samples with their neighborhoods."""
 
     points: Floats
     dim: int
     near: NDArray[np.int32]  # neighbors
-    distances: Floats
-    spacing: Floats
+    num_spaced: int  # neighbors that a spacing spans
+    spread_out: Floats  # the distance that they span in units of the spacing
     spreads: dict[int, Floats]  # of neighborhoods by size, (N, K+1) each
+
+    def distances(self, rows: Any, rank: int) -> Floats:
+        """From some samples to their neighbors of one rank, from 0."""
+        apart = self.points[self.near[rows, rank]] - self.points[rows]
+        return np.asarray(np.linalg.norm(apart, axis=-1))
+
+    def spacing(self, rows: Integers) -> Floats:
+        """Around some samples: the median over near neighbors."""
+        return np.asarray(
+            np.median(self.spread_out[self.near[rows, : self.num_spaced]], axis=1)
+        )
 
 
 class _Planes(NamedTuple):
@@ -264,14 +282,40 @@ def find_singularities(
     )
 
 
+def neighbors_wanted(dim: int) -> int:
+    """Neighbors of every sample that are looked at."""
+    scales = _scales(dim, None)
+    return max(scales.wide, scales.nested[1], 2 * scales.plane, scales.spacing)
+
+
+def places_among(samples: Input, k: int, known: Neighbors) -> Singularities:
+    """Where samples of which at least `neighbors_wanted` are known are no manifold.
+
+    The ``kind`` of the result goes by their places among the known.
+    """
+    found = singularities_of(samples.subset(known.samples), k, near=known.near)
+    places = [
+        place._replace(samples=np.sort(known.samples[place.samples]))
+        for place in found.places
+    ]
+    places.sort(key=lambda place: int(place.samples[0]))
+    return Singularities(k, found.kind, tuple(places), verdict_on(k, places))
+
+
 def singularities_of(
-    samples: Input, k: int, num_neighbors: int | None = None, threads: int | None = None
+    samples: Input,
+    k: int,
+    num_neighbors: int | None = None,
+    threads: int | None = None,
+    near: NDArray[np.int32] | None = None,
 ) -> Singularities:
-    """The same for samples that were checked."""
+    """The same for samples that were checked, and whose neighbors may be known."""
     coordinates = _coordinates(samples)
     scales = _scales(k, num_neighbors)
     kind = np.zeros(len(coordinates), dtype=np.int8)
-    fitted = _fit(coordinates, k, scales, threads)
+    if near is None:
+        near, _ = neighborhoods(coordinates, neighbors_wanted(k), num_threads=threads)
+    fitted = _fit(coordinates, near, k, scales, threads)
     places: list[Place] = []
     if fitted is not None:
         lower = _lower(fitted, scales)
@@ -375,21 +419,24 @@ def _positive(values: Floats) -> Floats:
 
 
 def _fit(
-    points: Floats, dim: int, scales: _Scales, threads: int | None
+    points: Floats,
+    near: NDArray[np.int32],
+    dim: int,
+    scales: _Scales,
+    threads: int | None,
 ) -> _Samples | None:
-    """Neighborhoods of all samples; None where there are too few for any."""
-    wanted = max(scales.wide, scales.nested[1], 2 * scales.plane, scales.spacing)
-    near, distances = neighborhoods(points, wanted, num_threads=threads)
+    """What the neighborhoods of all samples tell; None where there are too few for any."""
     if near.shape[1] < max(2 * scales.plane, scales.spacing):
         return None
-    volume = pi ** (dim / 2) / gamma(dim / 2 + 1)
-    spacing = distances[:, scales.spacing - 1] * (volume / scales.spacing) ** (1 / dim)
-    spacing = np.median(spacing[near[:, : scales.spacing]], axis=1)
     asked = {scales.plane, 2 * scales.plane, *scales.nested[:2], scales.wide}
     sizes = sorted({min(size, near.shape[1]) for size in asked})
     spreads = _spreads(points, np.arange(len(points)), near, sizes, dim, threads)
     by_size = {size: spreads[:, i] for i, size in enumerate(sizes)}
-    return _Samples(points, dim, near, distances, spacing, by_size)
+    samples = _Samples(points, dim, near, scales.spacing, np.empty(0), by_size)
+    volume = pi ** (dim / 2) / gamma(dim / 2 + 1)
+    spanned = samples.distances(np.arange(len(points)), scales.spacing - 1)
+    unit = (volume / scales.spacing) ** (1 / dim)
+    return samples._replace(spread_out=spanned * unit)
 
 
 def _planes(samples: _Samples, scales: _Scales, own: Integers) -> _Planes:
@@ -462,7 +509,7 @@ def _higher(
             if near.shape[1] < size:
                 return solid, deep
             dense[rows] = np.log(size / first) / np.log(
-                distances[:, -1] / samples.distances[rows, first - 1]
+                distances[:, -1] / samples.distances(rows, first - 1)
             )
         else:
             near = samples.near[rows]
@@ -550,7 +597,7 @@ def _count(
     """`_branches` of a block of suspicious samples."""
     dim = samples.dim
     result = np.full(len(rows), -1, dtype=np.int8)
-    spacing = samples.spacing[rows][:, None]
+    spacing = samples.spacing(rows)[:, None]
     counts = fitted.clean[fitted.place[near]] & (distances >= INNER * spacing)
     counts &= distances <= scales.reach * spacing
     keep = np.flatnonzero(counts.sum(axis=1) >= 2 * scales.fewest)

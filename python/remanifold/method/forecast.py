@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 
 # Bytes a sample for each K, measured as the peak of a process beyond the samples
 # themselves: of closed manifolds, and of solids with as many simplices as there are.
-_BYTES = {1: (160, 420), 2: (290, 560), 3: (1000, 4000), 4: (5000, 36_000)}
-_BYTES_OF_COORDINATE = (30, 60)
+_BYTES = {1: (150, 420), 2: (200, 560), 3: (600, 4000), 4: (2500, 36_000)}
+_BYTES_OF_COORDINATE = (20, 60)
 # In more coordinates products of all with all may be quicker than a tree, and are kept
 # up to so many bytes.
 _FEW_COORDINATES = 8

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/csr.hpp"
+#include "base/parallel_csr.hpp"
 
 #include <gtest/gtest.h>
 
@@ -18,6 +19,22 @@ TEST(Csr, RowsKeepTheOrderOfTheirValues) {
   });
   EXPECT_EQ(csr.offsets, (std::vector<Offset>{0, 1, 1, 4, 4}));
   EXPECT_EQ(csr.indices, (std::vector<Index>{5, 7, 3, 4}));
+}
+
+TEST(Csr, ThreadsChangeNothing) {
+  constexpr Offset rows = 20'000;
+  const auto each = [&](const auto& add) {
+    for (Offset i = 0; i < 3 * rows; ++i) {
+      add(i * 7919 % rows, static_cast<Index>(i));
+    }
+  };
+  const detail::Ragged<Index> expected = detail::ragged_of<Index>(rows, each);
+  for (const int threads : {1, 2, 7}) {
+    const detail::Ragged<Index> found =
+        detail::ragged_of<Index>(rows, Execution{threads, nullptr}, each);
+    EXPECT_EQ(found.offsets, expected.offsets) << threads;
+    EXPECT_EQ(found.values, expected.values) << threads;
+  }
 }
 
 TEST(Csr, NothingHasEmptyRows) {

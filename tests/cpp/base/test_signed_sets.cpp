@@ -7,7 +7,7 @@ namespace remanifold {
 namespace {
 
 TEST(SignedSets, SignsMultiplyAlongTheWay) {
-  detail::SignedSets sets(4);
+  detail::SignedSets<Offset> sets(4);
   EXPECT_TRUE(sets.join(0, 1, -1));
   EXPECT_TRUE(sets.join(2, 3, -1));
   EXPECT_TRUE(sets.join(1, 3, 1));
@@ -17,7 +17,7 @@ TEST(SignedSets, SignsMultiplyAlongTheWay) {
 }
 
 TEST(SignedSets, AnOddWayAroundContradicts) {
-  detail::SignedSets sets(3);
+  detail::SignedSets<Offset> sets(3);
   EXPECT_TRUE(sets.join(0, 1, -1));
   EXPECT_TRUE(sets.join(1, 2, -1));
   EXPECT_FALSE(sets.join(2, 0, -1));

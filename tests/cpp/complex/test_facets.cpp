@@ -34,7 +34,7 @@ TEST(Facets, NothingHasNone) {
   const SimplexArray none{3, {}};
   EXPECT_EQ(group_facets(none, 4).size(), 0);
   EXPECT_TRUE(facet_neighbors(none, 4).empty());
-  EXPECT_TRUE(orient_patches({}, 3).sizes.empty());
+  EXPECT_TRUE(orient_patches(facet_neighbors(none, 4), 3).sizes.empty());
 }
 
 TEST(Facets, NeighborsAcrossOpenPairedAndBranchingOnes) {
@@ -141,6 +141,26 @@ TEST(Facets, PatchesReachAcrossBlocksInAnyOrder) {
   const SimplexArray klein = grid_surface(300, 150, true);
   EXPECT_EQ(orient_patches(facet_neighbors(klein, 45'000), 3).orientable,
             (std::vector<std::uint8_t>{0}));
+}
+
+TEST(Facets, ShortNumbersSayTheSame) {
+  // A torus, two triangles that its edges branch at, and what has nothing to do with it.
+  SimplexArray simplices = grid_surface(40, 30, false);
+  for (const Index v : {0, 1, 1300, 0, 1, 1301, 1302, 1303, 1304}) {
+    simplices.vertices.push_back(v);
+  }
+  ASSERT_TRUE(has_few_facets(simplices));
+  const std::vector<FacetNumber> neighbors = facet_neighbors(simplices, 1305);
+  const std::vector<std::int32_t> few =
+      facet_neighbors<std::int32_t>(simplices, 1305, {2, nullptr});
+  EXPECT_TRUE(std::equal(few.begin(), few.end(), neighbors.begin(), neighbors.end()));
+  const OrientedPatches expected = orient_patches(neighbors, 3);
+  for (const OrientedPatches& patches :
+       {orient_patches(few, 3), orient_patches(simplices, 1305)}) {
+    EXPECT_EQ(patches.patch, expected.patch);
+    EXPECT_EQ(patches.sign, expected.sign);
+    EXPECT_EQ(patches.closed, expected.closed);
+  }
 }
 
 TEST(Facets, ExtendedPatchesAreThoseOfTheWhole) {

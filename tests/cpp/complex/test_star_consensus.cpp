@@ -15,7 +15,10 @@ TEST(StarConsensus, VotesAreCounted) {
   regions.dim = 2;
   // 0 sees {0 1 2}; 1 and 2 see it and {1 2 3}; 3 sees {0 2 3} only.
   regions.star_offsets = {0, 1, 3, 5, 6};
-  regions.stars = {1, 2, 0, 2, 2, 3, 1, 3, 0, 1, 0, 2};
+  regions.star_starts = {0, 2, 6, 10, 12};
+  regions.edge_sets = {{0, 2, 5, 8, 10}, {1, 2, 0, 2, 3, 0, 1, 3, 0, 2}};
+  // {1 2}; {0 2} and {2 3}; {0 1} and {1 3}; {0 2}.
+  regions.stars = {0, 1, 0, 1, 1, 2, 0, 1, 1, 2, 0, 1};
   StarSimplices found = count_votes(regions);
   ASSERT_EQ(found.simplices.size(), 3);
   std::vector<std::pair<std::vector<Index>, int>> votes;

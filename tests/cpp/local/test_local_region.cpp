@@ -8,6 +8,9 @@
 #include <limits>
 #include <map>
 #include <set>
+#include <stdexcept>
+#include <utility>
+#include <vector>
 
 namespace remanifold {
 namespace {
@@ -51,11 +54,12 @@ void expect_empty_balls(const Computed& c) {
       return Eigen::Map<const Eigen::VectorXd>(c.samples.point(q), ambient_dim) - px;
     };
     double largest = 0;
-    for (Offset s = c.regions.star_offsets[x]; s < c.regions.star_offsets[x + 1]; ++s) {
+    const Star star = c.regions.star(x);
+    for (Offset s = 0; s < star.size(); ++s) {
       Eigen::MatrixXd normals(dim, dim);
       Eigen::VectorXd offsets(dim);
       for (int k = 0; k < dim; ++k) {
-        const Eigen::VectorXd d = difference(c.regions.stars[s * dim + k]);
+        const Eigen::VectorXd d = difference(star.vertex(s, k));
         normals.row(k) = (basis * d).transpose();
         offsets[k] = d.squaredNorm() / 2;
       }
@@ -79,9 +83,10 @@ void expect_agreement(const Computed& c) {
   const int dim = c.regions.dim;
   std::map<std::vector<Index>, int> votes;
   for (Index x = 0; x < c.samples.size(); ++x) {
-    for (Offset s = c.regions.star_offsets[x]; s < c.regions.star_offsets[x + 1]; ++s) {
-      std::vector<Index> simplex(c.regions.stars.begin() + s * dim,
-                                 c.regions.stars.begin() + (s + 1) * dim);
+    std::vector<Index> rows;
+    c.regions.star(x).append_to(rows);
+    for (auto row = rows.begin(); row != rows.end(); row += dim) {
+      std::vector<Index> simplex(row, row + dim);
       simplex.push_back(x);
       std::sort(simplex.begin(), simplex.end());
       ++votes[simplex];
@@ -265,6 +270,36 @@ TEST(TieWeights, AreTinyAndFixedByThePosition) {
     std::swap(cloud.points[i], cloud.points[i + 1]);
   }
   EXPECT_EQ(weights_of(cloud), weights);
+}
+
+TEST(Star, PlacesHaveTheWidthThatTheEdgeSetAsksFor) {
+  for (const auto& [edges, width] : std::vector<std::pair<Offset, std::size_t>>{
+           {5, 1}, {256, 1}, {257, 2}, {65'536, 2}, {65'537, 4}}) {
+    std::vector<Index> edge_set(edges);
+    for (Offset i = 0; i < edges; ++i) {
+      edge_set[i] = static_cast<Index>(3 * i);
+    }
+    const Index last = edge_set.back();
+    const std::vector<Index> rows{0, 3, 0, last, 3, 6, last - 3, last};
+    std::vector<std::uint8_t> packed;
+    Star::pack(rows, edge_set.data(), edges, packed);
+    EXPECT_EQ(packed.size(), rows.size() * width);
+    const Star star(packed.data(), edge_set.data(), edges, 4, 2);
+    std::vector<Index> unpacked;
+    star.append_to(unpacked);
+    EXPECT_EQ(unpacked, rows);
+    for (std::size_t i = 0; i < rows.size(); i += 2) {
+      EXPECT_TRUE(star.has(rows.data() + i)) << edges << ' ' << i;
+    }
+    for (const std::vector<Index>& other :
+         std::vector<std::vector<Index>>{{0, 6}, {3, last}, {1, 3}, {last, last + 3}}) {
+      EXPECT_FALSE(star.has(other.data())) << edges;
+    }
+  }
+  const std::vector<Index> edge_set{1, 2};
+  const std::vector<Index> beyond{1, 3};
+  std::vector<std::uint8_t> packed;
+  EXPECT_THROW(Star::pack(beyond, edge_set.data(), 2, packed), std::logic_error);
 }
 
 }  // namespace

@@ -178,13 +178,30 @@ def test_units_do_not_matter():
     assert [r.text for r in q.reasons] == [r.text for r in known.reasons]
 
 
+def test_singular_places_are_those_that_a_search_of_their_own_finds():
+    points = np.concatenate([datasets.figure_eight(300, random_state=0)] * 2)
+    found = rm.find_singularities(points[:300], 1)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", rm.RemanifoldWarning)
+        q = rm.reconstruct(points, 1).quality
+    marked = {int(i) for place in found.places for i in place.samples}
+    assert marked
+    assert q.reasons[0].text == found.verdict
+    assert set(q.reasons[0].samples.tolist()) == marked
+    assert set(np.flatnonzero(q.doubtful[300:])) == set(
+        np.flatnonzero(q.doubtful[:300])
+    )
+
+
 def test_threads_do_not_matter():
     points, rec = datasets.torus(1500, random_state=0), of_shape("torus", 1500)
     found = [
         rm._core.quality(
             Points(points),
             rec.simplices,
+            None,
             num_neighbors=0,
+            num_listed=40,
             search="auto",
             checks=256,
             num_threads=threads,
@@ -195,6 +212,29 @@ def test_threads_do_not_matter():
     for other in found[1:]:
         for name, values in found[0].items():
             assert values.tobytes() == other[name].tobytes(), name
+
+
+@pytest.mark.parametrize(
+    ("shape", "num"),
+    # Of 29 samples tangent spaces are fitted to 14 neighbors, not to 15.
+    [("torus", 29), ("torus", 600), ("circle", 60), ("sphere_3", 400)],
+)
+def test_known_tangent_spaces_are_those_that_would_be_fitted(shape, num):
+    rec = of_shape(shape, num)
+    q = rec.quality
+    fitted = rm._core.quality(
+        Points(rec.vertices),
+        rec.simplices,
+        None,
+        num_neighbors=0,
+        num_listed=0,
+        search="auto",
+        checks=256,
+        num_threads=1,
+        progress=None,
+    )
+    np.testing.assert_allclose(q.reach, fitted["reach"], rtol=1e-9)
+    np.testing.assert_allclose(q.tangent_confidence, fitted["tangent_share"], rtol=1e-9)
 
 
 def test_copies_have_the_values_of_their_sample():

@@ -20,7 +20,7 @@ TORUS = rm.datasets.torus(2000, random_state=0)
 
 def test_expected_memory_grows_with_samples_and_coordinates():
     low, high = expected_bytes(10**6, 3, 2)
-    assert low == 10**6 * (290 + 30 * 3)
+    assert low == 10**6 * (200 + 20 * 3)
     assert high > low
     assert expected_bytes(1000, 9, 3) > expected_bytes(1000, 9, 2)
     assert expected_bytes(1000, 9, 5) is None
