@@ -100,6 +100,12 @@ def check_gram(gram: ArrayLike) -> NDArray[np.float64]:
 
 def check_dim(dim: Any, samples: Input) -> int:
     """1 <= K <= D, and enough samples for one simplex."""
+    if dim is None:
+        msg = (
+            "dim is missing: the dimension of the manifold, 1 for curves, 2 for surfaces; "
+            'reconstruct takes "auto" as well'
+        )
+        raise TypeError(msg)
     value = check_int(dim, "dim", minimum=1)
     num_samples, num_columns = samples.matrix.shape
     if isinstance(samples, Points) and value > num_columns:

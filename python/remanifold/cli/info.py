@@ -247,7 +247,8 @@ def _duration(seconds: float) -> str:
     for unit, size in (("seconds", 120), ("minutes", 7200), ("hours", np.inf)):
         if seconds < size:
             scale = {"seconds": 1, "minutes": 60, "hours": 3600}[unit]
-            return f"about {float(f'{seconds / scale:.1g}'):g} {unit}"
+            number = float(f"{seconds / scale:.1g}")
+            return f"about {number:g} {unit if number != 1 else unit[:-1]}"
     return ""
 
 

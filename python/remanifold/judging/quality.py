@@ -1214,7 +1214,7 @@ def _bridges(found: _Findings) -> Iterator[_Sign]:
     if bridges:
         yield _Sign(
             True,
-            f"{_count(len(bridges), 'bridge')} one edge wide: the sheets that it joins "
+            f"{_count(len(bridges), 'bridge')} one edge wide: the sheets joined there "
             "may be apart; more samples there would tell",
             np.concatenate(bridges).astype(np.int64),
         )
@@ -1233,8 +1233,30 @@ def _needed(found: _Findings, opening: Opening) -> str:
     )
 
 
+def _why_closed(found: _Findings, opening: Opening) -> str:
+    what, chance = _described(opening), f"{opening.significance:.2g}"
+    radius = None if found.rec._options is None else found.rec._options.hole_radius
+    if radius is not None:
+        return (
+            f"{what} was closed because hole_radius is {radius:g}, but chance leaves one as "
+            f"large in {chance} of such data"
+        )
+    if opening.significance <= found.significance:
+        return (
+            f"{what} was opened and filled again by what all samples there agree on, but "
+            f"chance leaves one as large in {chance} of such data"
+        )
+    return (
+        f"{what} was closed, but chance leaves one as large in {chance} of such data: from "
+        f"significance={chance} on it is open{_needed(found, opening)}"
+    )
+
+
 def _close_decisions(found: _Findings) -> Iterator[_Sign]:
     """Gaps that chance leaves now and then, and openings that it could have left."""
+    options = found.rec._options
+    if options is not None and not isinstance(options.boundary, str):
+        return  # what is open was said
     wide = [
         opening
         for opening in found.openings
@@ -1251,13 +1273,7 @@ def _close_decisions(found: _Findings) -> Iterator[_Sign]:
     ]
     if wide:
         widest = wide[0]
-        yield _Sign(
-            True,
-            f"{_described(widest)} was closed, but chance leaves one as large in "
-            f"{widest.significance:.2g} of such data: from significance="
-            f"{widest.significance:.2g} on it is open{_needed(found, widest)}",
-            _samples_of(wide),
-        )
+        yield _Sign(True, _why_closed(found, widest), _samples_of(wide))
     near = [
         opening
         for opening in found.openings

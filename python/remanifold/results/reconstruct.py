@@ -182,7 +182,7 @@ def reconstruct(
         The result lacks something, or noise drowns the shape.
     DoubtWarning
         The samples do not determine the result, as far as that shows without measuring:
-        `Reconstruction.quality` does, at up to four times the cost.
+        `Reconstruction.quality` does, in about the same time again.
     DimensionWarning
         Another dimension fits, or the one that was found is uncertain.
     DroppedWarning

@@ -5,9 +5,12 @@ from __future__ import annotations
 
 import math
 import os
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
 
 from remanifold._base.files import check_target, complete_file
 from remanifold._base.html import fragment
@@ -25,6 +28,7 @@ from remanifold.judging.judged import JudgedReconstruction
 from remanifold.method.openings import Opening
 from remanifold.page.report_page import write_report
 from remanifold.results.simplicial_complex import SimplicialComplex
+from remanifold.warnings import ManifoldWarning
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -325,7 +329,15 @@ class Reconstruction(JudgedReconstruction, SimplicialComplex):
             msg = "this result was saved by an earlier version: reconstruct again"
             raise ValueError(msg)
         decisions = (*self._decisions, (opening.samples, is_open))
-        return type(self)._rebuild(self, decisions)
+        again = type(self)._rebuild(self, decisions)
+        if is_open and np.array_equal(again.simplices, self.simplices):
+            warnings.warn(
+                "nothing stays open there: what is taken out is filled again by simplices "
+                "that all samples agree on, or lies at an opening",
+                ManifoldWarning,
+                stacklevel=3,
+            )
+        return again
 
     def report(
         self,
