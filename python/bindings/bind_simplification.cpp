@@ -11,13 +11,13 @@ namespace remanifold::python {
 namespace {
 
 py::tuple simplified(const InputArray<double>& vertices,
-                     const InputArray<Index>& simplices, const InputArray<bool>& fixed,
-                     Index num_vertices, double max_error, bool even,
-                     const py::object& progress) {
+                     const InputArray<Index>& simplices,
+                     const InputArray<std::uint8_t>& fixed, Index num_vertices,
+                     double max_error, bool even, const py::object& progress) {
   const MatrixView points = view(vertices);
   const SimplexArray complex{static_cast<int>(simplices.shape(1)),
                              to_vector(simplices)};
-  const std::vector<std::uint8_t> kept(fixed.data(), fixed.data() + fixed.size());
+  const std::vector<std::uint8_t> kept = to_vector(fixed);
   Simplification result = run(1, progress, [&](const Execution& execution) {
     return simplify(points, complex, kept, {num_vertices, max_error, even}, execution);
   });

@@ -200,7 +200,7 @@ class SimplexSearch:
 def simplify(
     vertices: NDArray[np.float64],
     simplices: NDArray[np.int32],
-    fixed: NDArray[np.bool_],
+    fixed: NDArray[np.uint8],
     *,
     num_vertices: int,
     max_error: float,

@@ -12,6 +12,8 @@
 
 namespace remanifold {
 
+enum Fixed : std::uint8_t { kMovable, kStays, kUntouched };
+
 struct SimplificationOptions {
   Index num_vertices = 0;  ///< stop when no more are left
   /// No vertex that is taken out may come to lie farther from the result.
@@ -38,8 +40,8 @@ struct Simplification {
 /// - no simplex turns far, and none becomes flatter than the flattest around,
 /// - the vertices taken out so far stay near what takes the place of the star.
 /// O(n log n) for n simplices of bounded stars.
-/// \param fixed  of each vertex: neither moved nor moved to, such as where the complex is
-///               no manifold
+/// \param fixed  of each vertex: kMovable, kStays, or kUntouched where the complex is no
+///               manifold and nothing may be moved there either
 Simplification simplify(MatrixView vertices, const SimplexArray& simplices,
                         const std::vector<std::uint8_t>& fixed,
                         const SimplificationOptions& options,

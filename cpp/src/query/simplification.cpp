@@ -191,7 +191,7 @@ class Simplifier {
 
   void offer(Index v, double cost) {
     State& state = state_[v];
-    if (stars_[v].empty() || fixed_[v] != 0 || state.waiting) {
+    if (stars_[v].empty() || fixed_[v] != kMovable || state.waiting) {
       return;
     }
     state.valued = state.exact = false;
@@ -281,7 +281,7 @@ class Simplifier {
     }
     const double least_shape = std::min(worst, kLeastShape);
     for (const Index v : around_) {
-      if (v == apex_ || fixed_[v] != 0 || (rim && !share_rim(u, v))) {
+      if (v == apex_ || fixed_[v] == kUntouched || (rim && !share_rim(u, v))) {
         continue;
       }
       const double error = error_of(u, v, least_shape);

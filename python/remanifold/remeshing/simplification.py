@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from remanifold.complex.data import ComplexData
 
 
+_STAYS, _UNTOUCHED = 1, 2  # as the core has it
+
+
 class Simplified(NamedTuple):
     """What is left, and what that costs; see `SimplifiedComplex`."""
 
@@ -50,11 +53,11 @@ def simplify(
     if num_vertices is not None:
         least = check_int(num_vertices, "num_vertices", minimum=whole.dim + 1)
     limit = np.inf if max_error is None else check_positive(max_error, "max_error")
-    fixed = np.zeros(whole.num_vertices, dtype=np.bool_)
+    fixed = np.zeros(whole.num_vertices, dtype=np.uint8)
     if keep is not None:
-        fixed[check_selection(keep, "keep", whole.num_vertices)] = True
+        fixed[check_selection(keep, "keep", whole.num_vertices)] = _STAYS
     topology = whole.topology()
-    fixed[topology.singular_vertices] = True
+    fixed[topology.singular_vertices] = _UNTOUCHED
     used = np.zeros(whole.num_vertices, dtype=np.bool_)
     used[whole.simplices] = True
     with progress_callback(progress) as callback:

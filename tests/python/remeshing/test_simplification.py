@@ -180,6 +180,15 @@ def test_missing_vertices_have_no_error():
     np.testing.assert_array_equal(found.errors, [0, 0, 0, np.nan])
 
 
+def test_vertices_that_stay_take_their_neighbors_in():
+    """Of a triangle cut into four only what is asked for: its corners and one more."""
+    fine = rm.SimplicialComplex([[0, 0], [4, 0], [0, 4]], [[0, 1, 2]]).subdivide(2)
+    inner = int(np.flatnonzero((fine.vertices == 1).all(axis=1))[0])
+    found = fine.simplify(4, keep=[0, 1, 2, inner])
+    assert found.vertex_indices.tolist() == [0, 1, 2, inner]
+    assert found.volume() == pytest.approx(8)
+
+
 def test_progress_is_told_and_ends_it():
     rec = rm.reconstruct(rm.datasets.sphere(500, random_state=0), 2)
     ball = rec.subdivide(3, fitted=False)
@@ -188,7 +197,7 @@ def test_progress_is_told_and_ends_it():
         pass
 
     def stop(step, done, total):
-        assert step in ("topology", "simplification")
+        assert step in ("prepare", "simplification")
         assert 0 <= done <= total
         raise StopError
 
