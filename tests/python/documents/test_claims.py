@@ -172,7 +172,7 @@ print(now("VmHWM") - before)
 
 @pytest.mark.slow
 @claims(
-    README, "Memory grows linearly with N: about 410 bytes a sample beyond the input"
+    README, "Memory grows linearly with N: about 320 bytes a sample beyond the input"
 )
 def test_memory_grows_linearly():
     def peak(number):
@@ -184,7 +184,7 @@ def test_memory_grows_linearly():
         return int(done.stdout)
 
     small, large = peak(50_000), peak(150_000)
-    assert 0.6 * 410 < (large - small) / 100_000 < 1.5 * 410
+    assert 0.6 * 320 < (large - small) / 100_000 < 1.5 * 320
 
 
 # --- Limits ----------------------------------------------------------------------------
