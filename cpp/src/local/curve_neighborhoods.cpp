@@ -48,10 +48,13 @@ class CurveKernel {
         query_(search.query(execution)),
         fit_(options.dim) {}
 
-  void refit(Index x, double* basis) {
-    if (on_curve(x) && choose_neighbors(x) && fit(x)) {
-      std::copy_n(frame_.data(), frame_.size(), basis);
+  /// \returns whether there is another basis
+  bool refit(Index x, double* basis) {
+    if (!on_curve(x) || !choose_neighbors(x) || !fit(x)) {
+      return false;
     }
+    std::copy_n(frame_.data(), frame_.size(), basis);
+    return true;
   }
 
  private:
@@ -218,8 +221,9 @@ void refit_along_curves(const Samples& samples, const NeighborSearch& search,
         samples.size(), kBlock, execution, [&](Offset begin, Offset end) {
           Kernel& kernel = kernels.local();
           for (Offset x = begin; x < end; ++x) {
-            if (tangents.boundary[x] == 0) {
-              kernel.refit(static_cast<Index>(x), tangents.bases.data() + x * size);
+            // On a straight line there was none.
+            if (kernel.refit(static_cast<Index>(x), tangents.bases.data() + x * size)) {
+              tangents.boundary[x] = 0;
             }
           }
         });
