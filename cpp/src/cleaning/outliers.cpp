@@ -22,9 +22,9 @@ constexpr double kQuantile = 0.25;
 constexpr double kNoiseQuantile = 0.75;
 constexpr double kNoiseFactor = 8;
 /// Outliers that are strewn put as many into each distance from the shape, out to many of
-/// these. Where fewer than half of what lies between a half and one limit is there between
-/// two and four, the former are of the shape itself: of coarse parts, corners, or rugged
-/// ones. Fewer than these say nothing.
+/// these. Where fewer than half of what lies between a half and one limit is there
+/// between two and four, the former are of the shape itself: of coarse parts, corners,
+/// or rugged ones. Fewer than these say nothing.
 constexpr double kStrewnShare = 0.5;
 constexpr double kFewestUsual = 5;
 /// How far the limit moves out for these.
@@ -40,8 +40,8 @@ constexpr double kScatteredFactor = 1.5;
 /// of a cloud is thin, and a surface happens to be near.
 constexpr double kAmongOutliers = 0.5;
 constexpr double kScatteredAmongOutliers = 0.7;
-/// Where coarse sampling is all there is to it, few of the sparse samples are like that; but
-/// where outliers were found before, no more is needed.
+/// Where coarse sampling is all there is to it, few of the sparse samples are like that;
+/// but where outliers were found before, no more is needed.
 constexpr std::size_t kScatteredShare = 3;
 /// Samples that stand for all others.
 constexpr Index kProbes = 300;
