@@ -210,9 +210,11 @@ def coarse_blocks(num_blocks, corner):
 def test_what_is_usual_of_the_shape_is_no_outlier():
     """One vertex off is stray; where many are nearly as far, the shape is like that."""
     assert rm.find_outliers(coarse_blocks(1, 2.6), 2).tolist() == [400]
-    usual = np.vstack([coarse_blocks(8, 1.2), coarse_blocks(1, 2.6) + [0.0, 60.0, 0.0]])
+    usual = np.vstack(
+        [coarse_blocks(8, 1.2), coarse_blocks(1, 2.6) + np.array([0, 60, 0])]
+    )
     assert len(rm.find_outliers(usual, 2)) == 0
-    far = np.vstack([usual[:-1], usual[-1:] + [0.0, 0.0, 4.0]])
+    far = np.vstack([usual[:-1], usual[-1:] + np.array([0, 0, 4])])
     assert rm.find_outliers(far, 2).tolist() == [len(far) - 1]
 
 
