@@ -357,12 +357,13 @@ class OutlierFinder {
     }
   }
 
-  /// Of the neighbors that a sample came with.
+  /// Of the nearest that a sample came with, as many whatever the neighborhoods hold.
   double share_of_outliers(Index x) const {
     const Index* known = neighborhoods_.of(x);
-    const auto count = std::count_if(known, known + neighborhoods_.count,
-                                     [&](Index y) { return out_[y] != kIn; });
-    return static_cast<double>(count) / neighborhoods_.count;
+    const Index count = std::min(near_count_, neighborhoods_.count);
+    const auto out =
+        std::count_if(known, known + count, [&](Index y) { return out_[y] != kIn; });
+    return static_cast<double>(out) / count;
   }
 
   /// Those around which distances are this large on average.

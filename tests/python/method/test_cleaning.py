@@ -229,6 +229,9 @@ def test_clutter_around_uneven_samples():
     far = near[len(points) :] > np.quantile(near[: len(points)], 0.9)
     assert found[strewn][far].mean() > 0.9
     assert (found & ~strewn).sum() < 0.01 * len(points)
+    # Whatever neighborhoods there are.
+    rec = rm.reconstruct(both, 2, method="paper", outliers="auto")
+    np.testing.assert_array_equal(rec.outliers, np.flatnonzero(found))
 
 
 @pytest.mark.parametrize("name", sorted(CLEAN_SETS))
