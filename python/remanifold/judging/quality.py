@@ -632,8 +632,8 @@ def _is_covered(found: _Findings, samples: NDArray[Any]) -> bool:
     inside = np.zeros(len(found.own), dtype=bool)
     inside[found.rows] = True
     inside[found.repair.filled_simplices] = False
-    inside &= ~found.on_rim
     inside &= found.fold <= SMOOTH_FOLD
+    samples = samples[~found.on_rim[samples]]
     return bool(np.count_nonzero(inside[samples]) > COVERED * len(samples))
 
 

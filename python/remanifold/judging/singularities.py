@@ -468,6 +468,10 @@ def _planes(samples: _Samples, scales: _Scales, own: Integers) -> _Planes:
 # ------------------------------------------------------------- other dimensions
 
 THIN = 0.2  # K-th spread over the first in a part of lower dimension
+# The nearest so many lie on a curve if they are off a parabola by this share of their
+# spread along it, and in a bend where the second spread is no more than this of the first.
+# Edges and tips of surfaces are sampled like that: only this share of all samples counts.
+ON_CURVE, OFF_CURVE, BENT, BENT_SHARE = 8, 0.1, 0.6, 0.1
 SOLID = 0.5  # (K+1)-th spread over the K-th in a solid, and the same off a quadric
 COMPACT = 0.6  # (K+1)-th spread over the first in the inner part of a solid
 SURROUNDED = 0.95  # share of neighbors in the solid there
@@ -486,6 +490,32 @@ def _lower(samples: _Samples, scales: _Scales) -> NDArray[np.int8]:
         thin = spread[:, dim - 1] <= THIN * spread[:, 0]
         rows, spread = rows[thin], spread[thin]
     result[rows] = (spread[:, :dim] > THIN * spread[:, :1]).sum(axis=1)
+    spread = samples.spreads[scales.plane]
+    bent = np.flatnonzero((result < 0) & (spread[:, 1] <= BENT * spread[:, 0]))
+    bent = bent[_on_curve(samples, bent)]
+    if len(bent) >= BENT_SHARE * count:
+        result[bent] = 1
+    return result
+
+
+def _on_curve(samples: _Samples, rows: Integers) -> Bools:
+    """Whether the nearest neighbors of each lie on a parabola with it."""
+    result = np.zeros(len(rows), dtype=np.bool_)
+    size = (ON_CURVE + 1) * samples.points.shape[1]
+    for block in _blocks(len(rows), size):
+        own = rows[block]
+        cloud, _ = _differences(samples.points, own, samples.near[own, :ON_CURVE])
+        end = cloud[:, -1:]
+        far = np.square(cloud - end).sum(axis=2).argmax(axis=1)
+        chord = np.take_along_axis(cloud, far[:, None, None], axis=1) - end
+        length = _positive(np.linalg.norm(chord, axis=2, keepdims=True))
+        along = (cloud * chord / length**2).sum(axis=2)
+        powers = np.stack([np.ones_like(along), along, along**2], axis=2)
+        basis = np.linalg.qr(powers)[0]
+        rest = cloud - basis @ (basis.transpose(0, 2, 1) @ cloud)
+        off = np.square(rest).sum(axis=(1, 2)) / (ON_CURVE - 2)
+        spread = along.std(axis=1) * length[:, 0, 0]
+        result[block] = off <= (OFF_CURVE * spread) ** 2
     return result
 
 
