@@ -6,8 +6,6 @@
 
 #include <pybind11/stl.h>
 
-#include <algorithm>
-#include <cstdint>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -98,13 +96,6 @@ ReconstructOptions make_options(int dim, Index num_neighbors,
 py::dict to_dict(Cleaning&& cleaning, py::ssize_t ambient_dim) {
   py::dict out;
   out["outliers"] = to_numpy(std::move(cleaning.outliers));
-  std::vector<std::uint8_t> scattered(cleaning.outlier_reasons.size());
-  std::transform(cleaning.outlier_reasons.begin(), cleaning.outlier_reasons.end(),
-                 scattered.begin(), [](OutlierReason reason) {
-                   return reason == OutlierReason::kScattered ? 1 : 0;
-                 });
-  out["outliers_scattered"] = to_bool_array(std::move(scattered));
-  out["outlier_distances"] = to_numpy(std::move(cleaning.outlier_distances));
   const auto rows =
       static_cast<py::ssize_t>(cleaning.displacements.size()) / ambient_dim;
   out["displacements"] =

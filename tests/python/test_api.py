@@ -100,8 +100,6 @@ def test_arrays_have_their_shapes(dim, kind):
         "unbounded": ((n,), np.bool_),
         "representatives": ((n,), np.int32),
         "outliers": ((0,), np.int32),
-        "outlier_distances": ((0,), np.float64),
-        "_outliers_scattered": ((0,), np.bool_),
         "invalid": ((0,), np.int32),
         "attached": ((0,), np.int32),
         "left_out": ((0,), np.int32),

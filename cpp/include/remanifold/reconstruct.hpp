@@ -6,7 +6,6 @@
 #include "remanifold/manifold_complex.hpp"
 #include "remanifold/neighborhoods.hpp"
 #include "remanifold/options.hpp"
-#include "remanifold/outliers.hpp"
 #include "remanifold/samples.hpp"
 #include "remanifold/types.hpp"
 
@@ -17,10 +16,8 @@ namespace remanifold {
 
 /// What was done to the samples before, in the caller's numbering and units.
 struct Cleaning {
-  std::vector<Index> outliers;  ///< left out, ascending
-  std::vector<OutlierReason> outlier_reasons;
-  std::vector<double> outlier_distances;  ///< as in Outlier
-  std::vector<double> displacements;      ///< N x D; empty where nothing was moved
+  std::vector<Index> outliers;        ///< left out, ascending
+  std::vector<double> displacements;  ///< N x D; empty where nothing was moved
   Index smoothing_neighbors = 0;
   int smoothing_rounds = 0;
   double noise = 0;             ///< as in Smoothing; NaN where not estimated

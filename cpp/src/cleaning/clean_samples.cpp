@@ -3,6 +3,7 @@
 
 #include "base/parallel.hpp"
 #include "remanifold/constants.hpp"
+#include "remanifold/outliers.hpp"
 #include "remanifold/smoothing.hpp"
 
 #include <algorithm>
@@ -40,14 +41,10 @@ void CleanSamples::run(Index count) {
   if (outlier_distance_ > 0) {
     const Timed timed(cleaning_seconds_);
     begin_step(execution_, Step::kOutliers, 0);
-    const std::vector<Outlier> found =
-        find_outliers(given_, *search_, neighborhoods_,
-                      {options_.dim, outlier_distance_}, execution_);
-    if (!found.empty()) {
-      for (const Outlier& one : found) {
-        outliers.push_back(one.sample);
-      }
-      report(found);
+    outliers = find_outliers(given_, *search_, neighborhoods_,
+                             {options_.dim, outlier_distance_}, execution_);
+    if (!outliers.empty()) {
+      report_.outliers = to_input(outliers);
       change(given_.without(outliers));
     }
   }
@@ -119,24 +116,6 @@ std::vector<Index> CleanSamples::to_input(const std::vector<Index>& chosen) cons
     }
   }
   return result;
-}
-
-// Copies of an outlier are outliers for the same reason.
-void CleanSamples::report(const std::vector<Outlier>& found) {
-  constexpr Index kNone = -1;
-  std::vector<Index> place(samples().size(), kNone);
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    place[found[i].sample] = static_cast<Index>(i);
-  }
-  const std::vector<Index> canonical = samples().canonical_indices();
-  for (Index i = 0; i < samples().input_size(); ++i) {
-    if (canonical[i] >= 0 && place[canonical[i]] != kNone) {
-      const Outlier& one = found[place[canonical[i]]];
-      report_.outliers.push_back(i);
-      report_.outlier_reasons.push_back(one.reason);
-      report_.outlier_distances.push_back(one.distance);
-    }
-  }
 }
 
 void CleanSamples::move(const std::vector<double>& points) {

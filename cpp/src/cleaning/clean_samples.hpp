@@ -5,7 +5,6 @@
 
 #include "remanifold/neighborhoods.hpp"
 #include "remanifold/options.hpp"
-#include "remanifold/outliers.hpp"
 #include "remanifold/reconstruct.hpp"
 #include "remanifold/samples.hpp"
 
@@ -47,7 +46,6 @@ class CleanSamples {
   void change(Samples samples);
   void move(const std::vector<double>& points);
   void thin(double distance);
-  void report(const std::vector<Outlier>& found);
   std::vector<Index> to_input(const std::vector<Index>& samples) const;
 
   const Samples& given_;

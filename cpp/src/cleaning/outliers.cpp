@@ -19,29 +19,19 @@ constexpr Index kFewestVotes = 15;
 /// Share of the votes that is passed over: the quadrics of some neighbors miss what lies
 /// behind a crease, but at a corner of three sides there is still a third on each.
 constexpr double kQuantile = 0.25;
+constexpr double kMedianScales = 2;
 constexpr double kNoiseQuantile = 0.75;
 constexpr double kNoiseFactor = 8;
-/// Outliers that are strewn put as many into each distance from the shape, out to many of
-/// these. Where fewer than half of what lies between a half and one limit is there
-/// between two and four, the former are of the shape itself: of coarse parts, corners,
-/// or rugged ones. Fewer than these say nothing.
-constexpr double kStrewnShare = 0.5;
-constexpr double kFewestUsual = 5;
-/// How far the limit moves out for these.
-constexpr double kUsualFactor = 2;
-/// Outliers far from everything are each other's neighbors. There they and those around
-/// are sparse, this many times the median scale, and no quadrics agree on where they are:
-/// on average over the neighbors, distances in units of the local scale reach this, and
-/// this many times that of all samples.
+/// Outliers far from everything are each other's neighbors. There they are sparse, this
+/// many times the median scale, and no quadrics agree on where they are: on average over
+/// the neighbors, distances in units of the local scale reach this, and this many times
+/// that of all samples.
 constexpr double kSparse = 3;
 constexpr double kScattered = 0.25;
-constexpr double kScatteredFactor = 1.5;
-/// Of those whose neighbors are outliers for a good part, this share of it: what is left
-/// of a cloud is thin, and a surface happens to be near.
-constexpr double kAmongOutliers = 0.5;
-constexpr double kScatteredAmongOutliers = 0.7;
-/// Where coarse sampling is all there is to it, few of the sparse samples are like that;
-/// but where outliers were found before, no more is needed.
+constexpr double kScatteredFactor = 2;
+/// Where samples are sparse, an outlier is at least this many of the scales there away.
+constexpr double kLocalScales = 0.75;
+/// Where coarse sampling is all there is to it, few of the sparse samples are like that.
 constexpr std::size_t kScatteredShare = 3;
 /// Samples that stand for all others.
 constexpr Index kProbes = 300;
@@ -80,25 +70,24 @@ class OutlierFinder {
         reach_(samples.size()),
         scales_(samples.size()) {}
 
-  std::vector<Outlier> run() {
-    std::vector<Outlier> outliers;
+  std::vector<Index> run() {
+    std::vector<Index> outliers;
     if (vote_count_ <= near_count_) {
       return outliers;
     }
     measure_all();
     for (round_ = 0; round_ < kMostRounds; ++round_) {
-      const std::vector<Outlier> found = find();
+      const std::vector<Index> found = find();
       if (found.empty()) {
         break;
       }
       outliers.insert(outliers.end(), found.begin(), found.end());
-      for (const Outlier& one : found) {
-        out_[one.sample] = static_cast<std::int8_t>(round_);
+      for (const Index x : found) {
+        out_[x] = static_cast<std::int8_t>(round_);
       }
       measure_all();
     }
-    std::sort(outliers.begin(), outliers.end(),
-              [](const Outlier& a, const Outlier& b) { return a.sample < b.sample; });
+    std::sort(outliers.begin(), outliers.end());
     return outliers;
   }
 
@@ -211,159 +200,77 @@ class OutlierFinder {
     return *middle;
   }
 
-  double local_scale(Index x, Scratch& scratch) const {
-    return median_around(x, vote_count_, scales_, scratch);
-  }
-
-  /// Samples that are this many local scales from their (K+1)-th neighbor, with the scale.
-  struct Apart {
-    std::vector<Index> samples;
-    std::vector<double> scales;
+  struct Unit {
+    double local;
+    double capped;
   };
-  Apart find_apart(double least, double most) const {
+
+  std::vector<Index> find() {
     Scratch scratch;
-    Apart result;
+    std::vector<Index> apart;
+    std::vector<Unit> units;
+    std::vector<Index> sparse;
     for (const Index x : alive_) {
-      // Cheap, and passes over nearly all.
-      if (apart_[x] > least * std::min(scales_[x] / 2, median_scale_)) {
-        const double local = local_scale(x, scratch);
-        if (apart_[x] > least * local && !(apart_[x] > most * local)) {
-          result.samples.push_back(x);
-          result.scales.push_back(local);
+      // Cheap, and passes nearly all.
+      if (apart_[x] > options_.distance * std::min(scales_[x] / 2, median_scale_)) {
+        const double local = median_around(x, vote_count_, scales_, scratch);
+        const Unit unit{local, std::min(local, kMedianScales * median_scale_)};
+        if (apart_[x] > options_.distance * unit.capped) {
+          apart.push_back(x);
+          units.push_back(unit);
         }
       }
-    }
-    return result;
-  }
-
-  /// How far off these are, in local scales.
-  std::vector<double> distances_off(const Apart& apart) {
-    std::vector<double> values = distances(apart.samples);
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      values[i] = std::min(values[i], apart_[apart.samples[i]]) / apart.scales[i];
-    }
-    return values;
-  }
-
-  /// Samples that lie and are surrounded sparsely.
-  std::vector<Index> find_sparse() const {
-    Scratch scratch;
-    std::vector<Index> sparse;
-    const double least = kSparse * median_scale_;
-    for (const Index x : alive_) {
-      if (scales_[x] > least && local_scale(x, scratch) > least) {
+      if (scales_[x] > kSparse * median_scale_) {
         sparse.push_back(x);
       }
     }
-    return sparse;
-  }
-
-  std::vector<Outlier> find() {
-    std::vector<Outlier> found;
-    const Apart apart =
-        find_apart(options_.distance, std::numeric_limits<double>::infinity());
-    const std::vector<Index> sparse = find_sparse();
-    if (apart.samples.empty() && sparse.empty()) {
+    std::vector<Index> found;
+    if (apart.empty() && sparse.empty()) {
       return found;
     }
-    const std::vector<double> noise = noise_of_probes();
-    const std::vector<double> off = distances_off(apart);
-    double limit =
-        std::max(options_.distance, kNoiseFactor * quantile(noise, kNoiseQuantile));
-    const double farthest = off.empty() ? 0 : *std::max_element(off.begin(), off.end());
-    if (farthest > limit && limit < kUsualFactor * options_.distance && is_usual(off)) {
-      limit = kUsualFactor * options_.distance;
-    }
-    for (std::size_t i = 0; i < off.size(); ++i) {
-      if (off[i] > limit) {
-        found.push_back({apart.samples[i], OutlierReason::kOff, off[i]});
-      }
-    }
-    const double scattered =
-        std::max(kScattered, kScatteredFactor * quantile(noise, 0.5));
-    if (scattered < 1) {
-      add_scattered(sparse, scattered, found);
-    }
-    std::stable_sort(
-        found.begin(), found.end(),
-        [](const Outlier& a, const Outlier& b) { return a.sample < b.sample; });
-    found.erase(std::unique(found.begin(), found.end(),
-                            [](const Outlier& a, const Outlier& b) {
-                              return a.sample == b.sample;
-                            }),
-                found.end());
-    return found;
-  }
-
-  /// How far off samples lie that stand for all, in units of their scales.
-  std::vector<double> noise_of_probes() {
     std::vector<Index> probes;
     const Index stride = std::max<Index>(1, as_index(alive_) / kProbes);
     for (Index i = 0; i < as_index(alive_); i += stride) {
       probes.push_back(alive_[i]);
     }
-    std::vector<double> values = distances(probes);
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      values[i] /= scales_[probes[i]];
+    const std::vector<double> typical = distances(probes);
+    std::vector<double> relative(probes.size());
+    std::vector<double> own(probes.size());
+    for (std::size_t i = 0; i < probes.size(); ++i) {
+      const double scale = scales_[probes[i]];
+      own[i] = std::min(1.0, typical[i] / scale);
+      relative[i] = typical[i] / std::min(scale, kMedianScales * median_scale_);
     }
-    return values;
-  }
+    const double least =
+        std::max(options_.distance, kNoiseFactor * quantile(relative, kNoiseQuantile));
 
-  /// Whether samples of the shape itself are as far off as the given ones, which are all
-  /// that are apart.
-  bool is_usual(const std::vector<double>& off) {
-    const double unit = options_.distance;
-    const auto counted = [](const std::vector<double>& values, double least,
-                            double most) {
-      return static_cast<double>(
-          std::count_if(values.begin(), values.end(),
-                        [&](double value) { return value > least && value <= most; }));
-    };
-    const Apart all = find_apart(unit / 2, unit);
-    Apart some;
-    const std::size_t stride = all.samples.size() / kProbes + 1;
-    for (std::size_t i = 0; i < all.samples.size(); i += stride) {
-      some.samples.push_back(all.samples[i]);
-      some.scales.push_back(all.scales[i]);
-    }
-    const double near =
-        counted(off, unit / 2, unit) +
-        static_cast<double>(stride) * counted(distances_off(some), unit / 2, unit);
-    far_ += counted(off, 2 * unit, 4 * unit);
-    // The second of these ranges is four times as long.
-    return near >= kFewestUsual && far_ / 4 < kStrewnShare * near;
-  }
-
-  void add_scattered(const std::vector<Index>& sparse, double least,
-                     std::vector<Outlier>& found) {
-    if (sparse.size() > kManySparse) {
-      std::vector<Index> some;
-      for (std::size_t i = 0; i < sparse.size(); i += kSparseStride) {
-        some.push_back(sparse[i]);
-      }
-      if (find_scattered(some, least).empty()) {
-        return;
+    const std::vector<double> values = distances(apart);
+    for (std::size_t i = 0; i < apart.size(); ++i) {
+      const double away = std::min(values[i], apart_[apart[i]]);
+      if (away > least * units[i].capped && away > kLocalScales * units[i].local) {
+        found.push_back(apart[i]);
       }
     }
-    const std::vector<Index> far = find_scattered(sparse, least);
-    if (round_ == 0 && far.size() * kScatteredShare < sparse.size()) {
-      return;
+    const double scattered =
+        std::max(kScattered, kScatteredFactor * quantile(own, 0.5));
+    if (scattered < 1) {
+      if (sparse.size() > kManySparse) {
+        std::vector<Index> some;
+        for (std::size_t i = 0; i < sparse.size(); i += kSparseStride) {
+          some.push_back(sparse[i]);
+        }
+        if (find_scattered(some, scattered).empty()) {
+          sparse.clear();
+        }
+      }
+      const std::vector<Index> far = find_scattered(sparse, scattered);
+      if (far.size() * kScatteredShare >= sparse.size()) {
+        found.insert(found.end(), far.begin(), far.end());
+      }
     }
-    far_ += static_cast<double>(far.size());
-    Scratch scratch;
-    for (const Index x : far) {
-      const double off = std::min(known_[x], apart_[x]) / local_scale(x, scratch);
-      found.push_back({x, OutlierReason::kScattered, off});
-    }
-  }
-
-  /// Of the nearest that a sample came with, as many whatever the neighborhoods hold.
-  double share_of_outliers(Index x) const {
-    const Index* known = neighborhoods_.of(x);
-    const Index count = std::min(near_count_, neighborhoods_.count);
-    const auto out =
-        std::count_if(known, known + count, [&](Index y) { return out_[y] != kIn; });
-    return static_cast<double>(out) / count;
+    std::sort(found.begin(), found.end());
+    found.erase(std::unique(found.begin(), found.end()), found.end());
+    return found;
   }
 
   /// Those around which distances are this large on average.
@@ -388,9 +295,7 @@ class OutlierFinder {
         const auto at = std::lower_bound(asked.begin(), asked.end(), around[k]);
         sum += std::min(1.0, values[at - asked.begin()] / scales_[around[k]]);
       }
-      const double share =
-          share_of_outliers(sparse[i]) >= kAmongOutliers ? kScatteredAmongOutliers : 1;
-      if (sum > share * least * static_cast<double>(offsets[i + 1] - offsets[i])) {
+      if (sum > least * static_cast<double>(offsets[i + 1] - offsets[i])) {
         found.push_back(sparse[i]);
       }
     }
@@ -527,7 +432,6 @@ class OutlierFinder {
   Index near_count_;
   Index vote_count_;
   int round_ = 0;
-  double far_ = 0;                     // outliers farther off than the limit may move
   std::vector<std::int8_t> out_;       // the round in which a sample went, or kIn
   std::vector<double> known_;          // what distances() found
   std::vector<std::int8_t> known_in_;  // in which round, or kNever
@@ -540,10 +444,10 @@ class OutlierFinder {
 
 }  // namespace
 
-std::vector<Outlier> find_outliers(const Samples& samples, const NeighborSearch& search,
-                                   const Neighborhoods& neighborhoods,
-                                   const OutlierOptions& options,
-                                   const Execution& execution) {
+std::vector<Index> find_outliers(const Samples& samples, const NeighborSearch& search,
+                                 const Neighborhoods& neighborhoods,
+                                 const OutlierOptions& options,
+                                 const Execution& execution) {
   if (options.dim < 1) {
     throw std::invalid_argument("dim is " + std::to_string(options.dim) +
                                 ", expected at least 1");

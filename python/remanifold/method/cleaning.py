@@ -210,9 +210,7 @@ def find_outliers(
     A sample is judged by its neighbors: by its normal distances from the quadrics fitted
     to their neighborhoods without it, of which the lower quartile counts. Far from
     everything, where outliers are each other's neighbors, they are known by being three
-    times sparser than most samples, and those around as well, while their neighbors do
-    not agree on any surface. `Reconstruction.outlier_reasons` and ``outlier_distances``
-    say which of the two, and how far off.
+    times sparser than most samples while their neighbors do not agree on any surface.
 
     Parameters
     ----------
@@ -222,10 +220,9 @@ def find_outliers(
         K, the dimension of the manifold.
     outliers : "auto" or float
         Distance from which on a sample is an outlier, in units of the local scale (the
-        distance to the (2K+2)-th neighbor, the median over the samples around it); "auto"
-        is 2. Among noisy samples it is at least eight times the distance that one in four
-        exceeds, and twice as much where samples of the shape itself are nearly as far off
-        as that: where many lie beyond half of it, and not as many farther out.
+        distance to the (2K+2)-th neighbor around it, and at most twice the median of
+        these); "auto" is 2. Among noisy samples it is at least eight times the distance
+        that one in four exceeds.
     gram, distances : array_like, shape (N, N), optional
         Inner products or distances of the samples, instead of `points`.
     search, num_threads, progress

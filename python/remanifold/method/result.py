@@ -242,12 +242,6 @@ class ReconstructionData(ComplexData):
     invalid: NDArray[np.int32] = field(
         default_factory=lambda: np.empty(0, dtype=np.int32)
     )
-    outlier_distances: NDArray[np.float64] = field(
-        default_factory=lambda: np.empty(0, dtype=np.float64)
-    )
-    _outliers_scattered: NDArray[np.bool_] = field(
-        default_factory=lambda: np.empty(0, dtype=np.bool_)
-    )
     _report: dict[str, Any] = field(default_factory=dict)
     _frames: tuple[NDArray[np.float64], NDArray[np.int32], float] | None = None
     # What was decided by hand: samples of each place, and whether it is open.
@@ -258,18 +252,6 @@ class ReconstructionData(ComplexData):
     def parameters(self) -> Parameters:
         """Those of `reconstruct` as they were used, and why; see ``provenance``."""
         return self.provenance.parameters
-
-    @property
-    def outlier_reasons(self) -> tuple[str, ...]:
-        """Why each of `outliers` is one.
-
-        ``"off"``: farther off the surfaces that its neighbors show than samples of the
-        shape are, `outlier_distances` local scales; ``"scattered"``: where it lies samples
-        are sparse and show no manifold.
-        """
-        return tuple(
-            "scattered" if one else "off" for one in self._outliers_scattered.tolist()
-        )
 
     @functools.cached_property
     def digest(self) -> str:

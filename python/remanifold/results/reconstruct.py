@@ -387,8 +387,6 @@ def reconstruct_samples(
         boundary=result["boundary"][result["representatives"]],
         representatives=result["representatives"],
         outliers=result["cleaning"]["outliers"],
-        outlier_distances=result["cleaning"]["outlier_distances"],
-        _outliers_scattered=result["cleaning"]["outliers_scattered"],
         invalid=invalid,
         attached=attached,
         smoothing=smoothing,

@@ -66,9 +66,6 @@ class Reconstruction(JudgedReconstruction, SimplicialComplex):
         Lowest index of the samples that coincide with each sample.
     outliers : ndarray of int32
         Samples left out, ascending: they do not lie on the manifold of the others.
-        `outlier_reasons` says why each.
-    outlier_distances : ndarray of float64
-        How far each of `outliers` is off what its neighbors show, in local scales.
     invalid : ndarray of int32
         Samples that are no points and were left out by ``invalid="drop"``, ascending.
     vertex_attributes : dict of str to ndarray

@@ -18,9 +18,8 @@ std::vector<Index> outliers_of(const Samples& samples, double distance = 2) {
   const NeighborSearch search(samples);
   const Neighborhoods neighborhoods = find_neighborhoods(samples, search, 15);
   std::vector<Index> found;
-  for (const Outlier& one :
-       find_outliers(samples, search, neighborhoods, {2, distance})) {
-    found.push_back(samples.input_index(one.sample));
+  for (const Index x : find_outliers(samples, search, neighborhoods, {2, distance})) {
+    found.push_back(samples.input_index(x));
   }
   std::sort(found.begin(), found.end());
   return found;

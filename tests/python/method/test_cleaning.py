@@ -12,14 +12,6 @@ from remanifold import datasets
 
 SMALL = ("torus", "sphere", "klein_bottle", "trefoil", "moebius_band", "swiss_roll")
 
-# Of parts that are coarse beside fine ones.
-CLEAN_SETS = {
-    "boundary_torso_7_parts": 2,
-    "cad_cheese_genus133_vertices": 2,
-    "curve_coastline_british_isles_in_R2": 1,
-    "surface_wingnut_creases_vertices": 2,
-}
-
 
 def draw(name, num, seed=0):
     return datasets.SHAPES[name].generate(num, random_state=seed)
@@ -175,70 +167,6 @@ def test_a_boundary_mask_counts_all_samples():
     assert rec.outliers.tolist() == [0]
     assert len(rec.repair.open_faces) > 0
     assert set(np.unique(rec.repair.open_faces)) <= set(np.flatnonzero(mask))
-
-
-def test_outliers_have_reasons_and_distances():
-    """One is near a sphere, the others are many and far away, each other's neighbors."""
-    sphere = draw("sphere", 2000)
-    far = np.random.default_rng(0).uniform(5, 9, (60, 3))
-    points = np.vstack([sphere, [[0.0, 0.0, 1.5]], far, far[:1]])
-    rec = rm.reconstruct(points, 2)
-    assert {2000, 2001, 2061} <= {*rec.outliers.tolist()}
-    assert rec.outliers.min() == 2000
-    reasons = dict(zip(rec.outliers.tolist(), rec.outlier_reasons, strict=True))
-    distances = dict(zip(rec.outliers.tolist(), rec.outlier_distances, strict=True))
-    assert reasons[2000] == "off"
-    assert list(reasons.values()).count("scattered") > 30
-    scale = np.median(rm.neighborhoods(sphere, 6).distances[:, -1])
-    assert distances[2000] == pytest.approx(0.5 / scale, rel=0.2)
-    # A copy is what its sample is.
-    assert (reasons[2061], distances[2061]) == (reasons[2001], distances[2001])
-    assert all(distances[x] > 2 for x, why in reasons.items() if why == "off")
-    assert rm.reconstruct(sphere, 2).outlier_reasons == ()
-
-
-def coarse_blocks(num_blocks, corner):
-    """Dense sheets, and before each a lone vertex so many local scales from them."""
-    rng = np.random.default_rng(0)
-    sheet = np.column_stack([rng.uniform(-1, 1, (400, 2)), np.zeros(400)])
-    scale = np.median(rm.neighborhoods(sheet, 6).distances[:, -1])
-    away = np.array([[0.0, 0.0, corner * scale]])
-    shifts = [np.array([40.0 * i, 0.0, 0.0]) for i in range(num_blocks)]
-    return np.vstack([part + shift for shift in shifts for part in (sheet, away)])
-
-
-def test_what_is_usual_of_the_shape_is_no_outlier():
-    """One vertex off is stray; where many are nearly as far, the shape is like that."""
-    assert rm.find_outliers(coarse_blocks(1, 2.6), 2).tolist() == [400]
-    usual = np.vstack(
-        [coarse_blocks(8, 1.2), coarse_blocks(1, 2.6) + np.array([0, 60, 0])]
-    )
-    assert len(rm.find_outliers(usual, 2)) == 0
-    far = np.vstack([usual[:-1], usual[-1:] + np.array([0, 0, 4])])
-    assert rm.find_outliers(far, 2).tolist() == [len(far) - 1]
-
-
-def test_clutter_around_uneven_samples():
-    """What is sparse there is judged by its own scale, not by the median of all."""
-    points = datasets.torus(10_000, random_state=0, spacing_ratio=10.0)
-    assert len(rm.find_outliers(points, 2)) == 0
-    both, strewn = with_outliers(points, 0.2)
-    found = np.zeros(len(both), dtype=bool)
-    found[rm.find_outliers(both, 2)] = True
-    near = rm.neighborhoods(np.vstack([points, both[strewn]]), 1).distances[:, 0]
-    far = near[len(points) :] > np.quantile(near[: len(points)], 0.9)
-    assert found[strewn][far].mean() > 0.9
-    assert (found & ~strewn).sum() < 0.01 * len(points)
-    # Whatever neighborhoods there are.
-    rec = rm.reconstruct(both, 2, method="paper", outliers="auto")
-    np.testing.assert_array_equal(rec.outliers, np.flatnonzero(found))
-
-
-@pytest.mark.parametrize("name", sorted(CLEAN_SETS))
-def test_clean_sets_lose_none(name, data_dir):
-    with np.load(data_dir / f"{name}.npz") as data:
-        points = data["points"].astype(np.float64)
-    assert len(rm.find_outliers(points, CLEAN_SETS[name])) == 0
 
 
 def test_few_samples_have_no_outliers():
