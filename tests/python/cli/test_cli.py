@@ -407,16 +407,15 @@ def test_warnings_of_the_library_are_shown(tori, tmp_path, monkeypatch):
 
 
 def test_what_the_library_warned_of_is_said_once(tmp_path):
-    """A line is too long to be closed by one edge."""
-    points = np.sort(np.random.default_rng(0).uniform(size=(200, 2)), axis=0)
-    points[:, 1] = points[:, 0] ** 2
-    np.save(tmp_path / "line.npy", points)
+    """What fills its space has a rim."""
+    points = np.random.default_rng(0).uniform(size=(60, 2))
+    np.save(tmp_path / "square.npy", points)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        rm.reconstruct(points, 1, boundary=False)
+        rm.reconstruct(points, 2, boundary=False)
     assert [w.category for w in caught] == [rm.ManifoldWarning]
     result = run(
-        *(tmp_path / "line.npy", "-k", 1, "-o", tmp_path / "a.ply", "--json"),
+        *(tmp_path / "square.npy", "-k", 2, "-o", tmp_path / "a.ply", "--json"),
         *("--boundary", "no"),
     )
     assert result.exit_code == 0

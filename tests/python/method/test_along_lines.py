@@ -63,6 +63,23 @@ def test_a_hole_between_scan_lines_stays_open():
     assert rec.openings[-1].decision == "open"
 
 
+@pytest.mark.parametrize("apart", [10, 40])
+def test_straight_lines_in_a_plane(apart):
+    x, y = np.meshgrid(np.arange(100.0), apart * np.arange(12))
+    points = np.c_[x.ravel(), y.ravel(), np.zeros(x.size)]
+    rec = rm.reconstruct(points, 2)
+    assert rec.topology().betti_numbers == (1, 0, 0)
+    assert rec.quality.ok
+
+
+def test_rings_that_are_closed_to_a_torus_are_doubted():
+    angles = np.arange(64) / 64 * 2 * np.pi
+    ring = np.c_[np.cos(angles), np.sin(angles)]
+    points = np.vstack([np.c_[ring, np.full(64, z)] for z in (0, 0.5, 1)])
+    rec = rm.reconstruct(points, 2)
+    assert rec.topology().betti_numbers == (1, 1, 0) or "singular" in kinds(rec)
+
+
 def test_a_hair_on_a_sheet_is_no_sheet():
     rng = np.random.default_rng(0)
     sheet = np.c_[40 * rng.random((1600, 2)), np.zeros(1600)]
