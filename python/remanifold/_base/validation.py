@@ -102,8 +102,8 @@ def check_dim(dim: Any, samples: Input) -> int:
     """1 <= K <= D, and enough samples for one simplex."""
     if dim is None:
         msg = (
-            "dim is missing: the dimension of the manifold, 1 for curves, 2 for surfaces; "
-            'reconstruct takes "auto" as well'
+            "dim must be an integer, got None: the dimension of the manifold, 1 for "
+            'curves, 2 for surfaces; reconstruct takes "auto" as well'
         )
         raise TypeError(msg)
     value = check_int(dim, "dim", minimum=1)

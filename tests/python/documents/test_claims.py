@@ -56,8 +56,9 @@ def reconstruct(*arguments, **options):
 
 @claims(
     README,
-    "holes wider than `hole_radius` stay open. `False`: everything is closed.",
-    "radius of the smallest hole that stays open, in units of the local spacing",
+    "`rec.openings` lists it. `False`: everything is closed.",
+    "decides instead of the evidence: radius of the smallest hole that stays open, in "
+    "units of the local spacing",
 )
 def test_hole_radius_and_boundary():
     cap = datasets.spherical_cap(400, random_state=0)
@@ -68,7 +69,7 @@ def test_hole_radius_and_boundary():
 
 @claims(
     README,
-    "chance, over all data, up to which a gap between samples counts as an opening: 1e-3.",
+    "chance, over all data, up to which a gap between samples counts as an opening: 1e-3",
 )
 def test_significance():
     rec = reconstruct(datasets.circle(100, random_state=0), 1)
@@ -209,7 +210,7 @@ def test_corners_are_cut():
 
 @claims(
     LIMITS,
-    "True holes smaller than that are closed; gaps larger than that stay open.",
+    "True holes with room for fewer than chance leaves out are closed.",
     "If the manifold is known to be closed, say `boundary=False`.",
 )
 def test_holes():
@@ -440,6 +441,9 @@ ELSEWHERE = {
     ),
     (LIMITS, "**Thin sheets.**"): (
         *("documents/test_examples.py", "test_limits_are_as_on_the_page"),
+    ),
+    (LIMITS, "**Lines.**"): (
+        *("method/test_along_lines.py", "test_scan_lines_are_one_sheet"),
     ),
     (LIMITS, "**Corners of curves.**"): (
         *("documents/test_examples.py", "test_limits_are_as_on_the_page"),

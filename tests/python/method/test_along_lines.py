@@ -63,7 +63,7 @@ def test_a_hole_between_scan_lines_stays_open():
     assert rec.openings[-1].decision == "open"
 
 
-@pytest.mark.parametrize("apart", [10, 40])
+@pytest.mark.parametrize("apart", [10, 20])
 def test_straight_lines_in_a_plane(apart):
     x, y = np.meshgrid(np.arange(100.0), apart * np.arange(12))
     points = np.c_[x.ravel(), y.ravel(), np.zeros(x.size)]
