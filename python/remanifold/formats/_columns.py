@@ -359,7 +359,8 @@ def byte_colors(colors: NDArray[Any]) -> NDArray[Any]:
 
 
 def _folded(name: str) -> str:
-    """A name without case, units in brackets, quotes and marks of comments."""
+    """A name without case, units in brackets, quotes, comments and their marks."""
+    name = re.sub(r"\s+[#%].*$", "", name)
     name = re.sub(r"[\[(][^\])]*[\])]\s*$", "", name.strip().strip("\"'").lower())
     return name.lstrip("#/% ").strip()
 
@@ -407,7 +408,9 @@ def _axes(names: list[str]) -> list[int] | None:
         axes = groups[stem]
         if "x" in axes and "y" in axes:
             found_axes = [axes[axis] for axis in "xyz" if axis in axes]
-            if stem == "" and len(found_axes) == 3 and names.count("w") == 1:
+            # With u and v it is the third of a vector.
+            alone = names.count("w") == 1 and not {"u", "v"} & {*names}
+            if stem == "" and len(found_axes) == 3 and alone:
                 found_axes.append(names.index("w"))
             return found_axes
     return [0] if names == ["x"] else None

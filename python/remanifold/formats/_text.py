@@ -249,6 +249,8 @@ def _careful(
         if width > len(layout.names) + 1:
             what = f"expected {len(layout.names)} numbers, as many as names"
             source.fail(f"{what}, found {width}", line=at[0])
+    if layout.names is None and width > 1 and not any(row[-1] for row in rows):
+        width -= 1  # the same
     columns = [_column(source, rows, at, i, layout) for i in range(width)]
     if not any(column.dtype.kind == "f" for column in columns):
         shown = rows[0][0][:_MOST_SHOWN]

@@ -518,7 +518,8 @@ def _measure(
         tangents,
         num_neighbors=0,
         num_listed=neighbors_wanted(rec.dim),
-        search=rec.search,
+        # What was smoothed had coordinates, but these are the samples as they were given.
+        search=rec.search if isinstance(samples, Points) else "auto",
         checks=_core.CHECKS,
         num_threads=0,
         progress=None,

@@ -384,3 +384,20 @@ def test_fields_go_out_and_come_back_in_tables(tmp_path):
             np.testing.assert_array_equal(found[name], values, err_msg=name)
     with pytest.raises(ValueError, match="two columns would be called 'x'"):
         write_points(tmp_path / "b.csv", XYZ, fields={"x": XYZ[:, 0]})
+
+
+def test_w_is_the_third_of_a_vector_beside_u_and_v(tmp_path):
+    path = put(tmp_path / "a.csv", "x,y,z,u,v,w\n1,2,3,0,0,1\n4,5,6,0,0,1\n")
+    points, fields = read(path)
+    assert points.tolist() == [[1, 2, 3], [4, 5, 6]]
+    assert [*fields] == ["u", "v", "w"]
+
+
+def test_a_comment_after_the_names_is_no_name(tmp_path):
+    path = put(tmp_path / "a.csv", "x,y,z # mm\n1,2,3\n4,5,6\n")
+    assert read_points(path).tolist() == [[1, 2, 3], [4, 5, 6]]
+
+
+def test_a_separator_at_the_end_of_each_line_is_no_column(tmp_path):
+    path = put(tmp_path / "a.csv", "1,2,3,\n4,5,6,\n7,8,9,\n")
+    assert read_points(path).shape == (3, 3)

@@ -668,3 +668,18 @@ def test_samples_in_rows_are_not_far_along_the_result():
     rec = reconstruct(np.stack([x, y, height], axis=-1).reshape(-1, 3), 2)
     assert rec.topology().betti_numbers == (1, 0, 0)
     assert "far along" not in str(rec.quality)
+
+
+def test_what_was_smoothed_from_products_is_judged():
+    points = datasets.sphere(200, random_state=0)
+    rec = reconstruct(gram=points @ points.T, dim=2, smooth=True)
+    assert rec.topology().name == "a sphere"
+    assert np.isfinite(rec.quality.spacing).all()
+
+
+def test_gaps_that_were_closed_as_asked_are_no_reason():
+    angles = np.random.default_rng(0).random(300) * 5.5
+    arc = np.c_[np.cos(angles), np.sin(angles)]
+    assert "was closed" not in str(reconstruct(arc, 1, boundary=False).quality)
+    asked = str(reconstruct(arc, 1, hole_radius=50.0).quality)
+    assert "closed because hole_radius is 50" in asked
