@@ -17,7 +17,7 @@ from scipy.spatial.distance import cdist
 import remanifold as rm
 from remanifold import datasets
 from remanifold._base.samples import Distances, Gram, Points
-from remanifold.judging import quality
+from remanifold.judging import signs
 
 BENCHMARKS = Path(__file__).resolve().parents[3] / "benchmarks"
 PER_SAMPLE = (
@@ -450,9 +450,9 @@ def test_layers_with_noise_are_told(seed):
 def test_directions_of_noise(normals):
     squares = (np.random.default_rng(0).normal(size=(4000, normals)) ** 2).sum(axis=1)
     squares[:200] *= 100  # what is no noise
-    found = quality._normal_directions(squares, 10)
+    found = signs._normal_directions(squares, 10)
     assert found == pytest.approx(normals, rel=0.15)
-    assert quality._normal_directions(squares, 1) == 1
+    assert signs._normal_directions(squares, 1) == 1
 
 
 @pytest.mark.parametrize("normals", [1, 2, 5])
@@ -460,11 +460,11 @@ def test_one_peak_is_no_layers(normals):
     rng = np.random.default_rng(normals)
     vectors = rng.normal(size=(4000, normals))
     one = (vectors**2).sum(axis=1)
-    assert not quality._has_layers(one, normals)
+    assert not signs._has_layers(one, normals)
     flat = rng.random(4000) ** (2 / normals)  # evenly in a ball
-    assert not quality._has_layers(flat, normals)
+    assert not signs._has_layers(flat, normals)
     vectors[:, 0] += 2 * normals * rng.choice([-1, 1], 4000)
-    assert quality._has_layers((vectors**2).sum(axis=1), normals)
+    assert signs._has_layers((vectors**2).sum(axis=1), normals)
 
 
 def test_noise_in_fewer_directions_than_coordinates():
@@ -511,7 +511,7 @@ def test_the_chance_of_gaps_is_that_of_a_poisson_process():
     for dim in (1, 2, 3, 4):
         inside = (10 if dim == 1 else 2 * dim + 2) * gaps**dim
         np.testing.assert_allclose(
-            10 ** quality._log_chance(gaps, dim), special.gammaincc(dim, inside)
+            10 ** signs._log_chance(gaps, dim), special.gammaincc(dim, inside)
         )
 
 
@@ -647,7 +647,7 @@ def test_dimension_that_samples_fill(dim):
     cube = np.pad(np.random.default_rng(dim).random((128, dim)), [(0, 0), (0, 5 - dim)])
     cube[0] = cube[1]
     samples = Points(cube)
-    found = quality._dimension_of(samples, np.arange(128))
+    found = signs._dimension_of(samples, np.arange(128))
     assert abs(found - dim) < 2.5 * dim / math.sqrt(126)
 
 
