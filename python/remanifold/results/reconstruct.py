@@ -153,7 +153,7 @@ def reconstruct(
         take more is an error before any work. By default nothing is refused.
     max_seconds : float, optional
         Time that may be taken. When it is over in the last step the best manifold so far is
-        returned: cavities that need a program stay open, `Repair.num_out_of_time` counts
+        returned: cavities that need a program stay open, ``repair.num_out_of_time`` counts
         them, and the verdict says so. What needs no program is finished, in time linear in
         N. Such a result depends on the machine. Before that step, or where `forecast`
         expects no chance of getting there, it is an error.
