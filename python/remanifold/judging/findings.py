@@ -148,7 +148,6 @@ class Findings:
     openings: tuple[Opening, ...]
     significance: float
     own: NDArray[np.bool_]  # not a copy
-    boundary: NDArray[np.bool_]
     spacing: NDArray[np.float64]
     reach: NDArray[np.float64]
     ratio: NDArray[np.float64]

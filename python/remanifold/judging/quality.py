@@ -20,7 +20,9 @@ from remanifold.judging.signs import (
     close_decisions,
     count_of,
     disputes,
+    edges_among,
     is_covered,
+    is_only_boundary,
     misfits,
     narrow_neighbors,
     noise_signs,
@@ -243,7 +245,6 @@ def _seen(rec: ReconstructionData) -> Findings:
         openings=rec.openings,
         significance=rec.significance,
         own=own,
-        boundary=rec.boundary,
         spacing=unknown,
         reach=unknown,
         ratio=unknown,
@@ -273,11 +274,7 @@ def doubts_at_once(rec: ReconstructionData) -> list[str]:
 
 def looks_like_a_boundary(rec: ReconstructionData) -> str:
     """Words for samples of a solid that are all on its boundary, else nothing."""
-    if rec.ambient_dim != rec.dim or rec.dim == 1 or len(rec.simplices) == 0:
-        return ""
-    rim = rec.boundary[np.unique(rec.simplices)]
-    few = len(rim) < 4 * (rec.dim + 1)
-    return "" if few or not rim.all() else only_boundary(rec.dim)
+    return only_boundary(rec.dim) if is_only_boundary(rec) else ""
 
 
 def _jets(rec: ReconstructionData) -> NDArray[np.float64] | None:
@@ -418,15 +415,9 @@ def _place(found: Findings, marked: NDArray[np.int64]) -> tuple[int, bool]:
     """
     inside = np.zeros(len(found.own), dtype=bool)
     inside[marked] = True
-    rows = found.simplices[inside[found.simplices].sum(axis=1) > 1]
-    columns = [(i, j) for j in range(rows.shape[1]) for i in range(j)]
-    edges = np.concatenate(
-        [rows[:, list(pair)] for pair in columns] or [np.empty((0, 2), np.int32)]
-    )
-    edges = np.sort(edges[inside[edges].all(axis=1)], axis=1)
+    edges = edges_among(found.simplices, inside)
     if len(edges) == 0:
         return int(marked[0]), len(marked) == 1
-    edges = np.unique(edges, axis=0)
     labels = _core.component_labels(edges, len(inside))
     sizes = np.bincount(labels[labels >= 0])
     degrees = np.bincount(edges.ravel(), minlength=len(inside))

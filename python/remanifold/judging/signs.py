@@ -242,13 +242,13 @@ def _groups(
 
     A part of a manifold has K + 2 at least, a stray sample is alone.
     """
-    labels = _core.component_labels(_edges_among(simplices, marked), len(marked))
+    labels = _core.component_labels(edges_among(simplices, marked), len(marked))
     together = np.flatnonzero(marked & (labels >= 0))
     sizes = np.bincount(labels[together], minlength=1)
     return together[sizes[labels[together]] >= least].astype(np.int64)
 
 
-def _edges_among(
+def edges_among(
     simplices: NDArray[np.int32], marked: NDArray[np.bool_]
 ) -> NDArray[np.int32]:
     """Edges between marked samples, each once."""
@@ -331,16 +331,16 @@ def only_boundary(dim: int) -> str:
     )
 
 
-def _is_only_boundary(found: Findings) -> bool:
+def is_only_boundary(rec: ReconstructionData) -> bool:
     """Whether samples of a solid are all on its boundary, which chance does not explain.
 
     That n of a convex body are in convex position has a chance below (c / n^2)^n in the
     plane (Barany, 1999) and less in space: with 4 (K + 1) samples below 1e-6.
     """
-    if not found.ambient_dim == found.dim > 1:
+    if not rec.ambient_dim == rec.dim > 1:
         return False
-    rim = found.boundary[np.unique(found.simplices)]
-    return len(rim) >= 4 * (found.dim + 1) and bool(rim.all())
+    rim = rec.boundary[np.unique(rec.simplices)]
+    return len(rim) >= 4 * (rec.dim + 1) and bool(rim.all())
 
 
 def _not_a_manifold(found: Findings) -> Iterator[Sign]:
@@ -353,7 +353,7 @@ def _not_a_manifold(found: Findings) -> Iterator[Sign]:
             bad.astype(np.int64),
             _growth_by_ratio(found, bad),
         )
-    if _is_only_boundary(found):
+    if is_only_boundary(found.rec):
         yield Sign(
             True,
             only_boundary(found.dim),
@@ -471,7 +471,7 @@ def _without_stray(found: Findings, folded: NDArray[np.int64]) -> NDArray[np.int
     """
     marked = np.zeros(len(found.own), dtype=bool)
     marked[folded] = True
-    edges = _edges_among(found.simplices, marked)
+    edges = edges_among(found.simplices, marked)
     labels = _core.component_labels(edges, len(marked))
     alone = labels[folded] < 0
     number = labels[folded[~alone]]

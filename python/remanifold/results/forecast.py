@@ -16,10 +16,10 @@ from remanifold.method.forecast import (
     forecast_of,
     typical_samples,
 )
-from remanifold.results.reconstruct import reconstruct
+from remanifold.results.reconstruct import by_one_thread
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
 
 def forecast(
@@ -86,10 +86,6 @@ def forecast(
         if products:
             # What the steps do to coordinates they do to products of as few.
             tried, columns = typical_samples(k + 1, k), 0
-    seconds = expected_seconds(tried, k, _by_one_thread, count)
+    seconds = expected_seconds(tried, k, by_one_thread, count)
     memory = expected_bytes(count, columns, k, products=products)
     return forecast_of(count, columns, k, seconds, memory)
-
-
-def _by_one_thread(patch: NDArray[np.float64], dim: int) -> object:
-    return reconstruct(patch, dim, num_threads=1)

@@ -486,13 +486,14 @@ def _refuse_late(samples: Input, dim: int, seconds: float, threads: int) -> None
     """Before any work that would be in vain; a patch tells, where it is a small part."""
     count = len(samples)
     if isinstance(samples, Points) and count > MANY_PATCHES * largest_patch(dim):
-        expected = expected_seconds(samples.matrix, dim, _by_one_thread)
+        expected = expected_seconds(samples.matrix, dim, by_one_thread)
         if expected is not None:
             least = least_seconds(expected, dim) / threads
             refuse_late(seconds, least, count, dim)
 
 
-def _by_one_thread(patch: NDArray[np.float64], dim: int) -> object:
+def by_one_thread(patch: NDArray[np.float64], dim: int) -> object:
+    """What `expected_seconds` times."""
     return reconstruct(patch, dim, num_threads=1)
 
 
