@@ -62,6 +62,17 @@ py::array spreads(const InputArray<double>& points, const InputArray<Index>& sam
       {samples.shape(0), static_cast<py::ssize_t>(sizes.size()), num_spreads});
 }
 
+/// \param samples  shape (n,)
+/// \param neighbors  shape (n, m)
+py::array on_curve(const InputArray<double>& points, const InputArray<Index>& samples,
+                   const InputArray<Index>& neighbors, int num_threads) {
+  const NeighborRows rows{samples.data(), neighbors.data(), samples.shape(0),
+                          static_cast<Index>(neighbors.shape(1))};
+  return to_bool_array(run(num_threads, py::none(), [&](const Execution& execution) {
+    return lie_on_curve(view(points), rows, execution);
+  }));
+}
+
 }  // namespace
 
 void bind_quality(py::module_& module) {
@@ -73,6 +84,9 @@ void bind_quality(py::module_& module) {
   module.def("local_spreads", &spreads, arg("points").noconvert(),
              arg("samples").noconvert(), arg("neighbors").noconvert(), arg("sizes"),
              arg("num_spreads"), arg("num_threads"));
+  module.def("lie_on_curve", &on_curve, arg("points").noconvert(),
+             arg("samples").noconvert(), arg("neighbors").noconvert(),
+             arg("num_threads"));
 }
 
 }  // namespace remanifold::python

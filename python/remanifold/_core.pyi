@@ -179,6 +179,12 @@ def local_spreads(
     num_spreads: int,
     num_threads: int,
 ) -> NDArray[np.float64]: ...
+def lie_on_curve(
+    points: NDArray[np.float64],
+    samples: NDArray[np.int32],
+    neighbors: NDArray[np.int32],
+    num_threads: int,
+) -> NDArray[np.bool_]: ...
 
 class SimplexSearch:
     def __init__(

@@ -8,6 +8,7 @@
 #include "remanifold/execution.hpp"
 #include "remanifold/types.hpp"
 
+#include <cstdint>
 #include <vector>
 
 namespace remanifold {
@@ -27,5 +28,16 @@ struct NeighborRows {
 std::vector<double> local_spreads(const MatrixView& points, const NeighborRows& rows,
                                   const std::vector<Index>& sizes, int num_spreads,
                                   const Execution& execution = {});
+
+/// Neighbors by which lie_on_curve() judges.
+inline constexpr Index kCurveNeighbors = 8;
+
+/// \param rows  of kCurveNeighbors and more
+/// \returns for each row whether the sample and its kCurveNeighbors nearest lie along a
+///          parabola, up to a tenth of their spread
+/// \throws std::invalid_argument  shorter rows
+std::vector<std::uint8_t> lie_on_curve(const MatrixView& points,
+                                       const NeighborRows& rows,
+                                       const Execution& execution = {});
 
 }  // namespace remanifold

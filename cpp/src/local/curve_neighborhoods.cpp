@@ -5,10 +5,10 @@
 #include "base/parallel.hpp"
 #include "local/frame_fit.hpp"
 #include "local/local_coordinates.hpp"
+#include "local/parabola.hpp"
 #include "remanifold/tangent_space.hpp"
 
 #include <Eigen/Core>
-#include <Eigen/QR>
 
 #include <algorithm>
 #include <array>
@@ -21,14 +21,6 @@ namespace remanifold {
 namespace {
 
 constexpr Offset kBlock = 256;
-/// Nearest neighbors that are on a curve, or not; with the sample itself one more.
-constexpr int kNear = 8;
-constexpr int kPlaces = kNear + 1;
-/// They are if they lie off a parabola by this share of their spread along it: nine of
-/// independent samples do with a chance of some 1e-6 on a surface, less in more dimensions.
-constexpr double kOffCurve = 0.1;
-/// No farther off their chord, over its length; most others need no fit to see that.
-constexpr double kOffChord = 0.3;
 /// Neighbors that are asked for at first and, doubling, at most, until there are some
 /// across the curve and as far again.
 constexpr Index kFirstWide = 64;
@@ -58,61 +50,23 @@ class CurveKernel {
   }
 
  private:
-  /// Whether x and its nearest neighbors lie on a parabola; the chord of them.
   bool on_curve(Index x) {
-    std::array<Index, kPlaces> places;
+    std::array<Index, kCurveNeighbors + 1> places;
     places[0] = x;
-    std::copy_n(neighborhoods_.of(x), kNear, places.begin() + 1);
-    from_ = places[kNear];
-    std::array<double, kPlaces> to_from;
-    double longest = 0;
-    for (int i = 0; i < kPlaces; ++i) {
-      to_from[i] = samples_.squared_distance(from_, places[i]);
-      if (to_from[i] > longest) {
-        longest = to_from[i];
-        to_ = places[i];
-      }
-    }
-    if (!(longest > 0)) {
-      return false;
-    }
-    chord_ = std::sqrt(longest);
-    Eigen::Matrix<double, kPlaces, 3> powers;
-    for (int i = 0; i < kPlaces; ++i) {
-      const double to_other = samples_.squared_distance(to_, places[i]);
-      const double along = (to_from[i] + longest - to_other) / (2 * chord_);
-      if (to_from[i] - along * along > kOffChord * kOffChord * longest) {
-        return false;
-      }
-      const double place = along / chord_ - 0.5;
-      powers.row(i) << 1, place, place * place;
-    }
-    // The sum of squares off the fit, from the distances alone: with P the projection that
-    // it leaves, which takes constants away, -1/2 trace(P D).
-    using Square = Eigen::Matrix<double, kPlaces, kPlaces>;
-    const Eigen::Matrix<double, kPlaces, 3> fitted =
-        Eigen::HouseholderQR<Eigen::Matrix<double, kPlaces, 3>>(powers).householderQ() *
-        Eigen::Matrix<double, kPlaces, 3>::Identity();
-    const Square left = Square::Identity() - fitted * fitted.transpose();
-    double off = 0;
-    for (int i = 0; i < kPlaces; ++i) {
-      for (int j = 0; j < i; ++j) {
-        off -= left(i, j) * samples_.squared_distance(places[i], places[j]);
-      }
-    }
-    const double mean = powers.col(1).mean();
-    const double spread =
-        chord_ * std::sqrt((powers.col(1).array() - mean).square().mean());
-    return off <= kOffCurve * kOffCurve * spread * spread * (kPlaces - 3);
+    std::copy_n(neighborhoods_.of(x), kCurveNeighbors, places.begin() + 1);
+    return detail::lie_on_parabola(
+        places, [&](Index a, Index b) { return samples_.squared_distance(a, b); },
+        chord_);
   }
 
   /// The nearest ones in a metric in which they are as dense along the curve as across.
   bool choose_neighbors(Index x) {
     const auto ambient = static_cast<Eigen::Index>(samples_.ambient_dim());
     const Eigen::Map<const Eigen::VectorXd> origin(samples_.point(x), ambient);
-    direction_ = Eigen::Map<const Eigen::VectorXd>(samples_.point(to_), ambient) -
-                 Eigen::Map<const Eigen::VectorXd>(samples_.point(from_), ambient);
-    direction_ /= chord_;
+    direction_ =
+        Eigen::Map<const Eigen::VectorXd>(samples_.point(chord_.to), ambient) -
+        Eigen::Map<const Eigen::VectorXd>(samples_.point(chord_.from), ambient);
+    direction_ /= chord_.length;
     const Index most = std::min(kMostWide, samples_.size() - 1);
     for (Index wide = std::min(kFirstWide, most);; wide = std::min(2 * wide, most)) {
       query_->nearest(x, wide, std::numeric_limits<double>::infinity(), near_);
@@ -137,7 +91,7 @@ class CurveKernel {
         return false;
       }
     }
-    const double step = chord_ / kNear;
+    const double step = chord_.length / kCurveNeighbors;
     stretch_ = std::max(1.0, across_ / step);
     const auto key = [&](const Place& place) {
       const double along = place.along * stretch_;
@@ -162,13 +116,8 @@ class CurveKernel {
             pq[axis] - px[axis] + more * direction_[axis];
       }
     }
-    const bool jet = options_.estimator == Estimator::kJet;
-    if (!fit_.find_principal(jet)) {
+    if (!fit_.fit(options_.estimator == Estimator::kJet)) {
       return false;
-    }
-    if (jet) {
-      fit_.refine();
-      fit_.refine();
     }
     frame_ = fit_.frame();
     for (Eigen::Index row = 0; row < frame_.rows(); ++row) {
@@ -190,9 +139,7 @@ class CurveKernel {
   Index count_;
   std::unique_ptr<NeighborSearch::Query> query_;
   detail::FrameFit<K, Eigen::Dynamic> fit_;
-  Index from_ = 0;
-  Index to_ = 0;
-  double chord_ = 0;
+  detail::Chord chord_;
   double across_ = 0;
   double stretch_ = 1;
   Eigen::VectorXd direction_;
@@ -209,7 +156,7 @@ void refit_along_curves(const Samples& samples, const NeighborSearch& search,
                         const Execution& execution) {
   if (options.dim < 2 || options.estimator == Estimator::kEnclosure ||
       tangents.bases.empty() || samples.ambient_dim() == options.dim ||
-      neighborhoods.count < kNear) {
+      neighborhoods.count < kCurveNeighbors) {
     return;
   }
   const auto size = static_cast<std::size_t>(options.dim) * samples.ambient_dim();

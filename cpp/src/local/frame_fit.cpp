@@ -44,6 +44,18 @@ void FrameFit<K, D>::resize(Index count, Eigen::Index size) {
 }
 
 template <int K, int D>
+bool FrameFit<K, D>::fit(bool jet) {
+  if (!find_principal(jet)) {
+    return false;
+  }
+  if (jet) {
+    refine();
+    refine();
+  }
+  return true;
+}
+
+template <int K, int D>
 bool FrameFit<K, D>::find_principal(bool rough) {
   const Eigen::Index size = vectors_.cols();
   if (size < dim() || count_ < dim()) {

@@ -26,13 +26,9 @@ class FrameFit {
   double& coordinate(Index i, Eigen::Index axis) { return vectors_(i, axis); }
 
   /// The K leading principal directions of the vectors with x itself.
-  /// \param rough  good enough to be refined
-  /// \returns false where there are fewer
-  bool find_principal(bool rough);
-
-  /// Tilts the frame by the linear part of a quadratic fit through x. Leaves it alone
-  /// where there are fewer vectors than unknowns, or where the fit is degenerate.
-  void refine();
+  /// \param jet  tilted twice by the linear part of a quadratic fit through x
+  /// \returns false where there are fewer directions
+  bool fit(bool jet);
 
   /// Orthonormal rows, K x D.
   const Frame& frame() const { return frame_; }
@@ -45,6 +41,14 @@ class FrameFit {
   using Columns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic>;
 
   int dim() const { return K == Eigen::Dynamic ? dim_ : K; }
+
+  /// \param rough  good enough to be refined
+  /// \returns false where there are fewer than K directions
+  bool find_principal(bool rough);
+
+  /// Leaves the frame alone where there are fewer vectors than unknowns, or where the fit
+  /// is degenerate.
+  void refine();
 
   /// The closed form loses digits where eigenvalues are close to each other: it has to tell
   /// tangents from normals.

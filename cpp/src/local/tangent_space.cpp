@@ -117,19 +117,8 @@ class TangentKernel {
         fit_.coordinate(i, axis) = pq[axis] - px[axis];
       }
     }
-    write_points(x, count_ > 0 && fit(), fit_.frame(), result);
-  }
-
-  bool fit() {
-    const bool jet = options_.estimator == Estimator::kJet;
-    if (!fit_.find_principal(jet)) {
-      return false;
-    }
-    if (jet) {
-      fit_.refine();
-      fit_.refine();
-    }
-    return true;
+    write_points(x, count_ > 0 && fit_.fit(options_.estimator == Estimator::kJet),
+                 fit_.frame(), result);
   }
 
   bool find_fitted(Local& local, const TangentSpaces& result) {
@@ -140,7 +129,7 @@ class TangentKernel {
         fit_.coordinate(i, axis) = vectors(i, axis);
       }
     }
-    if (!fit()) {
+    if (!fit_.fit(options_.estimator == Estimator::kJet)) {
       return false;
     }
     local.basis = fit_.frame();

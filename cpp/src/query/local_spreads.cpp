@@ -3,11 +3,15 @@
 
 #include "base/decompositions.hpp"
 #include "base/parallel.hpp"
+#include "local/parabola.hpp"
 
 #include <Eigen/Core>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <stdexcept>
+#include <string>
 
 namespace remanifold {
 namespace {
@@ -135,6 +139,36 @@ std::vector<double> local_spreads(const MatrixView& points, const NeighborRows& 
                    : points.cols == 3 ? measure_all<3>
                                       : measure_all<Eigen::Dynamic>;
   run(points, rows, sizes, num_spreads, execution, out);
+  return out;
+}
+
+std::vector<std::uint8_t> lie_on_curve(const MatrixView& points,
+                                       const NeighborRows& rows,
+                                       const Execution& execution) {
+  if (rows.width < kCurveNeighbors) {
+    throw std::invalid_argument("rows of " + std::to_string(rows.width) +
+                                " neighbors, expected at least " +
+                                std::to_string(kCurveNeighbors));
+  }
+  std::vector<std::uint8_t> out(static_cast<std::size_t>(rows.count));
+  const auto point = [&](Index x) {
+    return Eigen::Map<const Eigen::VectorXd>(points.row(x),
+                                             static_cast<Eigen::Index>(points.cols));
+  };
+  detail::for_each_block_uncounted(
+      rows.count, kBlock, execution, [&](Offset begin, Offset end) {
+        detail::Chord chord;
+        std::array<Index, kCurveNeighbors + 1> places;
+        for (Offset i = begin; i < end; ++i) {
+          places[0] = rows.samples[i];
+          std::copy_n(rows.neighbors + i * rows.width, kCurveNeighbors,
+                      places.begin() + 1);
+          out[static_cast<std::size_t>(i)] = detail::lie_on_parabola(
+              places,
+              [&](Index a, Index b) { return (point(a) - point(b)).squaredNorm(); },
+              chord);
+        }
+      });
   return out;
 }
 

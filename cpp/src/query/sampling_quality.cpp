@@ -442,11 +442,9 @@ class QualityKernel {
         frame_fit_.coordinate(i, axis) = vectors_(i, axis);
       }
     }
-    if (!frame_fit_.find_principal(true)) {
+    if (!frame_fit_.fit(true)) {
       return false;
     }
-    frame_fit_.refine();
-    frame_fit_.refine();
     frame_ = frame_fit_.frame();
     return true;
   }

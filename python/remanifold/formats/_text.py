@@ -243,14 +243,14 @@ def _careful(
         at.append(number)
     if not rows:
         return []
-    if layout.names is not None and width > len(layout.names) + 1:
-        if not any(row[-1] for row in rows):
-            width -= 1  # a separator at the end of each line
-        if width > len(layout.names) + 1:
-            what = f"expected {len(layout.names)} numbers, as many as names"
-            source.fail(f"{what}, found {width}", line=at[0])
-    if layout.names is None and width > 1 and not any(row[-1] for row in rows):
-        width -= 1  # the same
+    # With names there may be one column more, which counts the rows.
+    named = None if layout.names is None else len(layout.names)
+    most = 1 if named is None else named + 1
+    if width > most and not any(row[-1] for row in rows):
+        width -= 1  # a separator at the end of each line
+    if named is not None and width > most:
+        what = f"expected {named} numbers, as many as names, found {width}"
+        source.fail(what, line=at[0])
     columns = [_column(source, rows, at, i, layout) for i in range(width)]
     if not any(column.dtype.kind == "f" for column in columns):
         shown = rows[0][0][:_MOST_SHOWN]

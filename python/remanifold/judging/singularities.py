@@ -318,7 +318,7 @@ def singularities_of(
     fitted = _fit(coordinates, near, k, scales, threads)
     places: list[Place] = []
     if fitted is not None:
-        lower = _lower(fitted, scales)
+        lower = _lower(fitted, scales, threads)
         higher = _higher(fitted, scales, threads)
         branches = _branches(fitted, scales, threads)
         places = _places(fitted, lower, higher, branches, kind)
@@ -468,17 +468,18 @@ def _planes(samples: _Samples, scales: _Scales, own: Integers) -> _Planes:
 # ------------------------------------------------------------- other dimensions
 
 THIN = 0.2  # K-th spread over the first in a part of lower dimension
-# The nearest so many lie on a curve if they are off a parabola by this share of their
-# spread along it, and in a bend where the second spread is no more than this of the first.
-# Edges and tips of surfaces are sampled like that: only this share of all samples counts.
-ON_CURVE, OFF_CURVE, BENT, BENT_SHARE = 8, 0.1, 0.6, 0.1
+# Samples on a curve are in a bend where the second spread is no more than this of the
+# first. Edges and tips of surfaces are sampled like that: only this share of all counts.
+BENT, BENT_SHARE = 0.6, 0.1
 SOLID = 0.5  # (K+1)-th spread over the K-th in a solid, and the same off a quadric
 COMPACT = 0.6  # (K+1)-th spread over the first in the inner part of a solid
 SURROUNDED = 0.95  # share of neighbors in the solid there
 GROWTH = 0.5  # dimension above K by which the number of neighbors grows
 
 
-def _lower(samples: _Samples, scales: _Scales) -> NDArray[np.int8]:
+def _lower(
+    samples: _Samples, scales: _Scales, threads: int | None
+) -> NDArray[np.int8]:
     """Dimension of the part of lower dimension that a sample is in, or -1."""
     dim, count = samples.dim, len(samples.points)
     result = np.full(count, -1, dtype=np.int8)
@@ -492,30 +493,13 @@ def _lower(samples: _Samples, scales: _Scales) -> NDArray[np.int8]:
     result[rows] = (spread[:, :dim] > THIN * spread[:, :1]).sum(axis=1)
     spread = samples.spreads[scales.plane]
     bent = np.flatnonzero((result < 0) & (spread[:, 1] <= BENT * spread[:, 0]))
-    bent = bent[_on_curve(samples, bent)]
+    bent = bent[
+        _core.lie_on_curve(
+            samples.points, bent.astype(np.int32), samples.near[bent], threads or 0
+        )
+    ]
     if len(bent) >= BENT_SHARE * count:
         result[bent] = 1
-    return result
-
-
-def _on_curve(samples: _Samples, rows: Integers) -> Bools:
-    """Whether the nearest neighbors of each lie on a parabola with it."""
-    result = np.zeros(len(rows), dtype=np.bool_)
-    size = (ON_CURVE + 1) * samples.points.shape[1]
-    for block in _blocks(len(rows), size):
-        own = rows[block]
-        cloud, _ = _differences(samples.points, own, samples.near[own, :ON_CURVE])
-        end = cloud[:, -1:]
-        far = np.square(cloud - end).sum(axis=2).argmax(axis=1)
-        chord = np.take_along_axis(cloud, far[:, None, None], axis=1) - end
-        length = _positive(np.linalg.norm(chord, axis=2, keepdims=True))
-        along = (cloud * chord / length**2).sum(axis=2)
-        powers = np.stack([np.ones_like(along), along, along**2], axis=2)
-        basis = np.linalg.qr(powers)[0]
-        rest = cloud - basis @ (basis.transpose(0, 2, 1) @ cloud)
-        off = np.square(rest).sum(axis=(1, 2)) / (ON_CURVE - 2)
-        spread = along.std(axis=1) * length[:, 0, 0]
-        result[block] = off <= (OFF_CURVE * spread) ** 2
     return result
 
 
