@@ -20,7 +20,8 @@ struct OutlierOptions {
   int dim = 0;  ///< K
   /// Distance from which on a sample is an outlier, in units of the local scale (the
   /// distance to the (2K+2)-th neighbor around it, and no more than twice the median of
-  /// these). Noisy samples lie apart anyway: no less than eight times the distance that one
+  /// these; the distance between the curves where samples are dense along curves). Noisy
+  /// samples lie apart anyway: no less than eight times the distance that one
   /// in four exceeds.
   double distance = kOutlierDistance;
 };

@@ -3,9 +3,11 @@
 
 #include "base/parallel.hpp"
 #include "local/local_coordinates.hpp"
+#include "local/parabola.hpp"
 #include "local/quadratic_fit.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -39,6 +41,11 @@ constexpr Index kProbes = 300;
 constexpr std::size_t kManySparse = 2000;
 constexpr Index kSparseStride = 16;
 constexpr int kMostRounds = 20;
+/// Samples lie along a curve, and no clump beside others, where no step between them is
+/// longer than this share of all.
+constexpr double kLongStep = 0.5;
+/// Neighbors among which one across the curve is looked for.
+constexpr Index kMostAcross = 512;
 
 template <class T>
 T quantile(std::vector<T> values, double share) {
@@ -200,6 +207,61 @@ class OutlierFinder {
     return *middle;
   }
 
+  /// The scale at x; where samples are dense along curves and sparse across them, the
+  /// distance across: the next curve is no farther than it has to be.
+  double scale_across(Index x, Scratch& scratch) const {
+    if (options_.dim < 2) {
+      return scales_[x];
+    }
+    nearest(x, kCurveNeighbors, scratch);
+    if (as_index(scratch.near) < kCurveNeighbors) {
+      return scales_[x];
+    }
+    std::array<Index, kCurveNeighbors + 1> places;
+    places[0] = x;
+    std::copy_n(scratch.near.begin(), kCurveNeighbors, places.begin() + 1);
+    detail::Chord chord;
+    const auto squared = [&](Index a, Index b) {
+      return samples_.squared_distance(a, b);
+    };
+    if (!detail::lie_on_parabola(places, squared, chord) ||
+        chord.largest_step > kLongStep) {
+      return scales_[x];
+    }
+    const auto place = [&](Index y) {
+      return (squared(chord.from, y) - squared(chord.to, y)) / (2 * chord.length);
+    };
+    const double here = place(x);
+    const Index most = std::min(kMostAcross, as_index(alive_) - 1);
+    for (Index count = std::min(2 * neighborhoods_.count, most);;
+         count = std::min(2 * count, most)) {
+      nearest(x, count, scratch);
+      for (const Index y : scratch.near) {
+        const double along = place(y) - here;
+        if (squared(x, y) > 2 * along * along) {
+          return std::max(scales_[x], distance(x, y));
+        }
+      }
+      if (count == most) {
+        return scales_[x];
+      }
+    }
+  }
+
+  /// As median_around(), of scales across.
+  double median_across(Index x, Scratch& scratch) const {
+    nearest(x, vote_count_, scratch);
+    std::vector<Index> around = scratch.near;
+    around.push_back(x);
+    std::vector<double> values;
+    for (const Index y : around) {
+      values.push_back(scale_across(y, scratch));
+    }
+    const auto middle = values.begin() + static_cast<Offset>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+  }
+
   struct Unit {
     double local;
     double capped;
@@ -224,6 +286,7 @@ class OutlierFinder {
         sparse.push_back(x);
       }
     }
+    keep_beside_curves(apart, units);
     std::vector<Index> found;
     if (apart.empty() && sparse.empty()) {
       return found;
@@ -239,7 +302,10 @@ class OutlierFinder {
     for (std::size_t i = 0; i < probes.size(); ++i) {
       const double scale = scales_[probes[i]];
       own[i] = std::min(1.0, typical[i] / scale);
-      relative[i] = typical[i] / std::min(scale, kMedianScales * median_scale_);
+      const double across = scale_across(probes[i], scratch);
+      relative[i] =
+          typical[i] /
+          (across > scale ? across : std::min(scale, kMedianScales * median_scale_));
     }
     const double least =
         std::max(options_.distance, kNoiseFactor * quantile(relative, kNoiseQuantile));
@@ -271,6 +337,26 @@ class OutlierFinder {
     std::sort(found.begin(), found.end());
     found.erase(std::unique(found.begin(), found.end()), found.end());
     return found;
+  }
+
+  /// Leaves those out that are no farther apart than the curves around on which samples
+  /// are dense. What lies on a curve is no clutter: its scale needs no limit.
+  void keep_beside_curves(std::vector<Index>& apart, std::vector<Unit>& units) const {
+    Scratch scratch;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < apart.size(); ++i) {
+      Unit unit = units[i];
+      const double across = median_across(apart[i], scratch);
+      if (across > unit.local) {
+        unit = {across, across};
+      }
+      if (apart_[apart[i]] > options_.distance * unit.capped) {
+        apart[kept] = apart[i];
+        units[kept++] = unit;
+      }
+    }
+    apart.resize(kept);
+    units.resize(kept);
   }
 
   /// Those around which distances are this large on average.

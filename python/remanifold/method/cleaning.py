@@ -221,8 +221,9 @@ def find_outliers(
     outliers : "auto" or float
         Distance from which on a sample is an outlier, in units of the local scale (the
         distance to the (2K+2)-th neighbor around it, and at most twice the median of
-        these); "auto" is 2. Among noisy samples it is at least eight times the distance
-        that one in four exceeds.
+        these; the distance between the curves where samples are dense along curves);
+        "auto" is 2. Among noisy samples it is at least eight times the distance that one
+        in four exceeds.
     gram, distances : array_like, shape (N, N), optional
         Inner products or distances of the samples, instead of `points`.
     search, num_threads, progress

@@ -80,6 +80,27 @@ def test_rings_that_are_closed_to_a_torus_are_doubted():
     assert rec.topology().betti_numbers == (1, 1, 0) or "singular" in kinds(rec)
 
 
+@pytest.mark.parametrize(("count", "height"), [(100, 0.3), (200, 1.0), (300, 1.0)])
+def test_the_apex_of_a_cone_of_rings_is_no_outlier(count, height):
+    """It is as far from the last ring as that is from the next."""
+    radii = np.arange(1, 21)[:, None] / 20
+    angles = np.arange(count) / count * 2 * np.pi
+    places = radii * np.cos(angles), radii * np.sin(angles), np.ones(count) * -radii
+    points = np.vstack([np.zeros((1, 3)), np.stack(places, axis=-1).reshape(-1, 3)])
+    points[:, 2] *= height
+    rec = rm.reconstruct(points, 2)
+    assert len(rec.outliers) == 0
+    assert rec.topology().betti_numbers == (1, 0, 0)
+    assert rec.quality.ok
+
+
+def test_strays_over_rings_are_outliers():
+    points = rings(16, 300)
+    strays = points[::317] * [1, 1, 0] + [0, 0, 1.0]
+    found = rm.find_outliers(np.vstack([points, strays]), 2)
+    assert found.tolist() == list(range(len(points), len(points) + len(strays)))
+
+
 def test_a_hair_on_a_sheet_is_no_sheet():
     rng = np.random.default_rng(0)
     sheet = np.c_[40 * rng.random((1600, 2)), np.zeros(1600)]
