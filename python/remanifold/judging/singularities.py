@@ -477,9 +477,7 @@ SURROUNDED = 0.95  # share of neighbors in the solid there
 GROWTH = 0.5  # dimension above K by which the number of neighbors grows
 
 
-def _lower(
-    samples: _Samples, scales: _Scales, threads: int | None
-) -> NDArray[np.int8]:
+def _lower(samples: _Samples, scales: _Scales, threads: int | None) -> NDArray[np.int8]:
     """Dimension of the part of lower dimension that a sample is in, or -1."""
     dim, count = samples.dim, len(samples.points)
     result = np.full(count, -1, dtype=np.int8)
