@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 
 # Counted, not timed: the same input gives the same result on any machine.
 MAX_NODES = 200
+# Between looks at whether to go on: some tenths of a second of the largest programs. A
+# call back from each iteration took a tenth of the time.
+SLICE = 5000
 
 
 def solve_program(
@@ -80,22 +83,15 @@ def solve_program(
     # older versions know neither it nor the option.
     solver.setOptionValue("mip_heuristic_run_feasibility_jump", False)
 
-    def stop_if_cancelled(
-        _kind: Any, _message: str, _out: Any, into: Any, _: Any
-    ) -> None:
-        if into is not None and cancelled():
-            into.user_interrupt = True
-
-    solver.setCallback(stop_if_cancelled, None)
-    kinds = highspy.cb.HighsCallbackType
-    for kind in (
-        kinds.kCallbackSimplexInterrupt,
-        kinds.kCallbackIpmInterrupt,
-        kinds.kCallbackMipInterrupt,
-    ):
-        solver.startCallback(kind)
+    if len(integral):
+        _stop_when(cancelled, solver, highspy)
+    else:
+        solver.setOptionValue("simplex_iteration_limit", SLICE)
     solver.passModel(program)
     solver.run()
+    more = highspy.HighsModelStatus.kIterationLimit
+    while solver.getModelStatus() == more and not cancelled():
+        solver.run()
     if solver.getInfo().primal_solution_status != 2:  # feasible
         return np.empty(0)
     return np.array(solver.getSolution().col_value)
@@ -111,3 +107,20 @@ def _silent_solver(highspy: Any) -> Any:
     solver = highspy._Highs()
     solver.setOptionValue("output_flag", False)
     return solver
+
+
+def _stop_when(cancelled: Callable[[], bool], solver: Any, highspy: Any) -> None:
+    def stop_if_cancelled(
+        _kind: Any, _message: str, _out: Any, into: Any, _: Any
+    ) -> None:
+        if into is not None and cancelled():
+            into.user_interrupt = True
+
+    solver.setCallback(stop_if_cancelled, None)
+    kinds = highspy.cb.HighsCallbackType
+    for kind in (
+        kinds.kCallbackSimplexInterrupt,
+        kinds.kCallbackIpmInterrupt,
+        kinds.kCallbackMipInterrupt,
+    ):
+        solver.startCallback(kind)
