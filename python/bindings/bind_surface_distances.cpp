@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "arrays.hpp"
+#include "remanifold/intrinsic_delaunay.hpp"
 #include "remanifold/surface_distances.hpp"
 #include "run.hpp"
 
@@ -21,12 +22,27 @@ py::array distances(const InputArray<Index>& triangles,
   return to_numpy(std::move(result), {sources.shape(0), num_vertices});
 }
 
+py::tuple delaunay(const InputArray<Index>& triangles,
+                   const InputArray<double>& lengths) {
+  const SimplexArray surface{3, to_vector(triangles)};
+  const std::vector<double> sides = to_vector(lengths);
+  IntrinsicTriangulation result = run(1, py::none(), [&](const Execution& execution) {
+    return intrinsic_delaunay(surface, sides, execution);
+  });
+  const auto count = static_cast<py::ssize_t>(result.triangles.size());
+  return py::make_tuple(to_numpy(std::move(result.triangles)),
+                        to_numpy(std::move(result.lengths), {count, 3}),
+                        result.num_flips, result.complete);
+}
+
 }  // namespace
 
 void bind_surface_distances(py::module_& module) {
   module.def("surface_distances", &distances, py::arg("triangles").noconvert(),
              py::arg("lengths").noconvert(), py::arg("num_vertices"),
              py::arg("sources").noconvert());
+  module.def("intrinsic_delaunay", &delaunay, py::arg("triangles").noconvert(),
+             py::arg("lengths").noconvert());
 }
 
 }  // namespace remanifold::python

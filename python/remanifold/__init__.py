@@ -22,6 +22,7 @@ from remanifold.calculus.calculus import Calculus
 from remanifold.calculus.charts import Atlas, Chart, ChartPoints
 from remanifold.calculus.cohomology import CircularCoordinates
 from remanifold.calculus.curvature import AngleDefects, Curvature
+from remanifold.calculus.delaunay import IntrinsicTriangles
 from remanifold.calculus.paths import FrechetMean, LogarithmMap, VoronoiCells
 from remanifold.calculus.poisson import PoissonSolution
 from remanifold.calculus.regression import Regression
@@ -91,6 +92,7 @@ __all__ = [
     "FileWarning",
     "Forecast",
     "FrechetMean",
+    "IntrinsicTriangles",
     "Invariant",
     "Invariants",
     "LocalRegions",

@@ -213,6 +213,9 @@ def simplify(
     even: bool,
     progress: _Progress,
 ) -> tuple[NDArray[np.int32], NDArray[np.float64]]: ...
+def intrinsic_delaunay(
+    triangles: NDArray[np.int32], lengths: NDArray[np.float64]
+) -> tuple[NDArray[np.int32], NDArray[np.float64], int, bool]: ...
 def surface_distances(
     triangles: NDArray[np.int32],
     lengths: NDArray[np.float64],

@@ -9,6 +9,7 @@
 #include "remanifold/execution.hpp"
 #include "remanifold/facets.hpp"
 #include "remanifold/input_numbering.hpp"
+#include "remanifold/intrinsic_delaunay.hpp"
 #include "remanifold/link_repair.hpp"
 #include "remanifold/local_region.hpp"
 #include "remanifold/manifold_complex.hpp"

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar, overload
 
 import numpy as np
 
@@ -28,6 +28,7 @@ from remanifold.calculus.curvature import (
     angle_defects,
     curvature,
 )
+from remanifold.calculus.delaunay import DelaunayOperators, IntrinsicTriangles
 from remanifold.calculus.geodesics import METHODS, Distances, GeodesicMethod
 from remanifold.calculus.level_sets import level_set
 from remanifold.calculus.operators import Operators
@@ -98,6 +99,7 @@ class Calculus(Generic[C]):
         self._complex = complex
         self._make = make
         self._operators = Operators(complex)
+        self._delaunay: DelaunayOperators | None = None
         self._distances: dict[str, Distances] = {}
 
     def __repr__(self) -> str:
@@ -135,13 +137,58 @@ class Calculus(Generic[C]):
         """Share of each vertex in the K-volume, (N,): the lumped mass."""
         return np.array(self._operators.volumes)
 
-    def mass(self, *, lumped: bool = False) -> Any:
+    def intrinsic_delaunay(self) -> IntrinsicTriangles:
+        """Intrinsic Delaunay triangulation of a surface: the best triangles on it.
+
+        Edges are flipped, straight along the surface, until the angles opposite to none
+        add up to more than pi. The surface stays what it is; thin triangles go, and no
+        cotangent weight is negative. ``delaunay=True`` computes functions by these
+        triangles.
+
+        Returns
+        -------
+        IntrinsicTriangles
+            Triangles with the lengths of their sides.
+
+        Raises
+        ------
+        ValueError
+            Another dimension than 2.
+
+        References
+        ----------
+        M. Fisher, B. Springborn, P. Schröder, A. I. Bobenko, An algorithm for the
+        construction of intrinsic Delaunay triangulations with applications to digital
+        geometry processing, Computing 81, 2007.
+        """
+        return self._operators_by(delaunay=True).intrinsic
+
+    @overload
+    def _operators_by(self, *, delaunay: Literal[True]) -> DelaunayOperators: ...
+    @overload
+    def _operators_by(self, *, delaunay: bool) -> Operators: ...
+    def _operators_by(self, *, delaunay: bool) -> Operators:
+        if not delaunay:
+            return self._operators
+        if self._complex.dim != 2:
+            msg = (
+                f"delaunay is for surfaces, and the complex has dimension "
+                f"{self._complex.dim}: leave it out"
+            )
+            raise ValueError(msg)
+        if self._delaunay is None:
+            self._delaunay = DelaunayOperators(self._complex)
+        return self._delaunay
+
+    def mass(self, *, lumped: bool = False, delaunay: bool = False) -> Any:
         """Mass matrix: integrals of products of the hat functions.
 
         Parameters
         ----------
         lumped : bool
             The sums of its rows on the diagonal, which are `vertex_volumes`.
+        delaunay : bool
+            Of the hat functions on the triangles of `intrinsic_delaunay`.
 
         Returns
         -------
@@ -149,14 +196,21 @@ class Calculus(Generic[C]):
             Symmetric, in units of K-volume. ``u @ mass() @ v`` is the integral of the
             product of two functions.
         """
+        operators = self._operators_by(delaunay=delaunay)
         if not lumped:
-            return self._operators.mass.copy()
+            return operators.mass.copy()
         from scipy import sparse
 
-        return sparse.csr_array(sparse.diags(self._operators.volumes))
+        return sparse.csr_array(sparse.diags(operators.volumes))
 
-    def stiffness(self) -> Any:
+    def stiffness(self, *, delaunay: bool = False) -> Any:
         """Stiffness matrix: integrals of products of gradients of the hat functions.
+
+        Parameters
+        ----------
+        delaunay : bool
+            Of the hat functions on the triangles of `intrinsic_delaunay`: no entry off
+            the diagonal is positive.
 
         Returns
         -------
@@ -169,7 +223,7 @@ class Calculus(Generic[C]):
         U. Pinkall, K. Polthier, Computing discrete minimal surfaces and their
         conjugates, Experimental Mathematics 2(1), 1993.
         """
-        return self._operators.stiffness.copy()
+        return self._operators_by(delaunay=delaunay).stiffness.copy()
 
     # -------------------------------------------------------------- differential forms
 
@@ -359,13 +413,15 @@ class Calculus(Generic[C]):
             table = np.einsum("md,mkd->mk", table, operators.ambient_frames())
         return self._over_volumes(-operators.weak_divergence(table))
 
-    def laplacian(self, values: ArrayLike) -> Floats:
+    def laplacian(self, values: ArrayLike, *, delaunay: bool = False) -> Floats:
         """Laplacian of a function: the divergence of its gradient, never positive.
 
         Parameters
         ----------
         values : array_like, shape (N,) or (N, C)
             At the vertices.
+        delaunay : bool
+            By the triangles of `intrinsic_delaunay`.
 
         Returns
         -------
@@ -375,14 +431,17 @@ class Calculus(Generic[C]):
             Means of values over random simplices scatter: `poisson` and `spectrum`
             converge where this does not.
         """
-        table = self._check_function(values, "values")
-        return self._over_volumes(-(self._operators.stiffness @ table))
+        operators = self._operators_by(delaunay=delaunay)
+        table = self._check_function(values, "values", operators=operators)
+        return self._over_volumes(-(operators.stiffness @ table), operators)
 
     def poisson(
         self,
         source: ArrayLike,
         fixed: ArrayLike | None = None,
         values: ArrayLike = 0.0,
+        *,
+        delaunay: bool = False,
     ) -> PoissonSolution:
         """Find the function whose Laplacian is given.
 
@@ -395,6 +454,9 @@ class Calculus(Generic[C]):
             default none. Everywhere else on the boundary the slope across it is zero.
         values : float, or array_like of shape (F,) or (F, C)
             The function there, in ascending order of a mask or in that of `fixed`.
+        delaunay : bool
+            By the triangles of `intrinsic_delaunay`: harmonic functions have their
+            least and greatest values where they are fixed.
 
         Returns
         -------
@@ -415,8 +477,9 @@ class Calculus(Generic[C]):
         >>> found.values.round(12).tolist()
         [0.0, 2.0, 6.0, 8.0]
         """
-        table = self._check_function(source, "source")
-        chosen = self._check_vertices(fixed, "fixed")
+        operators = self._operators_by(delaunay=delaunay)
+        table = self._check_function(source, "source", operators=operators)
+        chosen = self._check_vertices(fixed, "fixed", operators)
         shape = (len(chosen), *table.shape[1:])
         known = np.asarray(values)
         if known.ndim == 0:
@@ -425,12 +488,17 @@ class Calculus(Generic[C]):
         if known.shape != shape:
             msg = f"values has shape {known.shape}, expected {shape} or a number"
             raise ValueError(msg)
-        return solve_poisson(self._operators, table, chosen, known)
+        return solve_poisson(operators, table, chosen, known)
 
     # -------------------------------------------------------------------- spectrum
 
     def spectrum(
-        self, count: int, fixed: ArrayLike | None = None, *, lumped: bool = True
+        self,
+        count: int,
+        fixed: ArrayLike | None = None,
+        *,
+        lumped: bool = True,
+        delaunay: bool = False,
     ) -> Spectrum:
         """Eigenfunctions of the Laplacian of smallest eigenvalues.
 
@@ -445,6 +513,8 @@ class Calculus(Generic[C]):
             By the lumped mass matrix, the default: its eigenvalues are a little too
             small as a rule, those of the full one too large, and several times farther
             off.
+        delaunay : bool
+            By the triangles of `intrinsic_delaunay`.
 
         Returns
         -------
@@ -470,8 +540,9 @@ class Calculus(Generic[C]):
         [0.0, 1.0, 1.0, 4.0, 4.0]
         """
         number = check_int(count, "count", minimum=1)
-        chosen = self._check_vertices(fixed, "fixed")
-        return compute_spectrum(self._operators, number, chosen, lumped=bool(lumped))
+        operators = self._operators_by(delaunay=delaunay)
+        chosen = self._check_vertices(fixed, "fixed", operators)
+        return compute_spectrum(operators, number, chosen, lumped=bool(lumped))
 
     # --------------------------------------------------------- functions from values
 
@@ -1005,10 +1076,14 @@ class Calculus(Generic[C]):
         return check_values(form, "form", len(self._operators.faces(degree)), ndim=1)
 
     def _check_function(
-        self, values: ArrayLike, name: str, ndim: int | None = None
+        self,
+        values: ArrayLike,
+        name: str,
+        ndim: int | None = None,
+        operators: Operators | None = None,
     ) -> Floats:
         """Finite where functions have values, zero elsewhere."""
-        used = self._operators.used
+        used = (operators or self._operators).used
         if not used.all() and not isinstance(values, np.ma.MaskedArray):
             table = np.asarray(values)
             if table.shape[:1] == used.shape:
@@ -1017,12 +1092,15 @@ class Calculus(Generic[C]):
         return check_values(values, name, self._complex.num_vertices, ndim=ndim)
 
     def _check_vertices(
-        self, vertices: ArrayLike | None, name: str
+        self,
+        vertices: ArrayLike | None,
+        name: str,
+        operators: Operators | None = None,
     ) -> NDArray[np.int64]:
         if vertices is None:
             return np.empty(0, dtype=np.int64)
         chosen = check_selection(vertices, name, self._complex.num_vertices)
-        missing = ~self._operators.used[chosen]
+        missing = ~(operators or self._operators).used[chosen]
         if missing.any():
             place = int(missing.argmax())
             msg = (
@@ -1032,7 +1110,9 @@ class Calculus(Generic[C]):
             raise ValueError(msg)
         return chosen
 
-    def _over_volumes(self, sums: Floats) -> Floats:
-        volumes = self._operators.volumes.reshape(-1, *(1,) * (sums.ndim - 1))
+    def _over_volumes(self, sums: Floats, operators: Operators | None = None) -> Floats:
+        volumes = (operators or self._operators).volumes.reshape(
+            -1, *(1,) * (sums.ndim - 1)
+        )
         with np.errstate(invalid="ignore", divide="ignore"):
             return np.where(volumes > 0, sums / volumes, np.nan)

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -45,11 +46,31 @@ class Elements(NamedTuple):
 def elements_of(complex_: ComplexData) -> Elements:
     """Elements, from the distances between the vertices alone."""
     size, dim = len(complex_.simplices), complex_.dim
+    return _elements(size, dim, gram_matrices(complex_))
+
+
+def elements_of_triangles(lengths: NDArray[np.float64]) -> Elements:
+    """Elements, from the lengths of the sides opposite to the corners."""
+    opposite = lengths**2
+    gram = np.empty((len(lengths), 2, 2))
+    gram[:, 0, 0], gram[:, 1, 1] = opposite[:, 2], opposite[:, 1]
+    gram[:, 0, 1] = gram[:, 1, 0] = (opposite @ [-1.0, 1.0, 1.0]) / 2
+    scale = opposite[:, 1:].mean(axis=1)
+    scale[scale == 0] = 1.0
+    blocks = [(slice(0, len(gram)), gram / scale[:, None, None], scale)]
+    return _elements(len(lengths), 2, blocks)
+
+
+def _elements(
+    size: int,
+    dim: int,
+    blocks: Iterable[tuple[slice, NDArray[np.float64], NDArray[np.float64]]],
+) -> Elements:
     volumes = np.zeros(size)
     frames = np.zeros((size, dim, dim))
     products = np.zeros((size, dim + 1, dim + 1))
     flat = np.ones(size, dtype=np.bool_)
-    for rows, gram, scale in gram_matrices(complex_):
+    for rows, gram, scale in blocks:
         solid = np.linalg.eigvalsh(gram)[:, 0] > FLAT
         own = np.arange(rows.start, rows.stop)[solid]
         factors = np.linalg.cholesky(gram[solid])

@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The operators of a surface by its intrinsic Delaunay triangulation."""
+
+from __future__ import annotations
+
+import functools
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from remanifold import _core
+from remanifold.calculus.elements import Elements, elements_of_triangles
+from remanifold.calculus.operators import Operators
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from remanifold.complex.data import ComplexData
+
+
+class IntrinsicTriangles(NamedTuple):
+    """Triangles on a surface of triangles, with its vertices and straight along it.
+
+    Attributes
+    ----------
+    triangles : ndarray, shape (M, 3), int32
+        A vertex may stand twice in one, and two may have the same vertices.
+    lengths : ndarray, shape (M, 3), float64
+        Of the sides opposite to the vertices.
+    num_flips : int
+        Edges that were flipped.
+    complete : bool
+        False where a hundred flips for each triangle were not enough.
+    """
+
+    triangles: NDArray[np.int32]
+    lengths: NDArray[np.float64]
+    num_flips: int
+    complete: bool
+
+
+def intrinsic_triangles(complex_: ComplexData) -> IntrinsicTriangles:
+    """Flip edges until the angles opposite to none add up to more than pi."""
+    triangles = np.ascontiguousarray(complex_.simplices)
+    squares = complex_._source.squared_distances(
+        triangles[:, [1, 2, 0]], triangles[:, [2, 0, 1]]
+    )
+    lengths = np.ascontiguousarray(np.sqrt(squares))
+    return IntrinsicTriangles(*_core.intrinsic_delaunay(triangles, lengths))
+
+
+class DelaunayOperators(Operators):
+    """Matrices of functions on an intrinsic Delaunay triangulation; it has no forms."""
+
+    def __init__(self, complex_: ComplexData) -> None:
+        super().__init__(complex_)
+        self.intrinsic = intrinsic_triangles(complex_)
+        self.simplices = self.intrinsic.triangles
+
+    @functools.cached_property
+    def elements(self) -> Elements:
+        """Triangles as elements."""
+        return elements_of_triangles(self.intrinsic.lengths)
