@@ -4,13 +4,18 @@
 from __future__ import annotations
 
 import functools
-from typing import TYPE_CHECKING, NamedTuple
+import warnings
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from remanifold import _core
+from remanifold._base.read_only import ReadOnlyArrays
+from remanifold._base.text import one_line
 from remanifold.calculus.elements import Elements, elements_of_triangles
 from remanifold.calculus.operators import Operators
+from remanifold.warnings import DoubtWarning
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -18,8 +23,9 @@ if TYPE_CHECKING:
     from remanifold.complex.data import ComplexData
 
 
-class IntrinsicTriangles(NamedTuple):
-    """Triangles on a surface of triangles, with its vertices and straight along it.
+@dataclass(frozen=True, eq=False, repr=False)
+class IntrinsicTriangles(ReadOnlyArrays):
+    """Triangles on a surface, with its vertices and straight along it, read-only.
 
     Attributes
     ----------
@@ -37,6 +43,14 @@ class IntrinsicTriangles(NamedTuple):
     lengths: NDArray[np.float64]
     num_flips: int
     complete: bool
+
+    def __repr__(self) -> str:
+        return one_line(
+            self,
+            triangles=len(self.triangles),
+            num_flips=self.num_flips,
+            complete=self.complete,
+        )
 
 
 def intrinsic_triangles(complex_: ComplexData) -> IntrinsicTriangles:
@@ -56,6 +70,9 @@ class DelaunayOperators(Operators):
         super().__init__(complex_)
         self.intrinsic = intrinsic_triangles(complex_)
         self.simplices = self.intrinsic.triangles
+        if not self.intrinsic.complete:
+            msg = "no intrinsic Delaunay triangulation after a hundred flips a triangle"
+            warnings.warn(f"{msg}: weights may be negative", DoubtWarning, stacklevel=5)
 
     @functools.cached_property
     def elements(self) -> Elements:
