@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // NBD(x): the nearest other samples of each sample (Freedman 2002, section 3), exact and
-// with ties by input number. FLANN's single kd-tree serves small ambient dimensions,
+// with ties by number: of points in their order along a curve, not in that of the input, so
+// that the order of the samples decides nothing. FLANN's single kd-tree serves small ambient dimensions,
 // blocked matrix products followed by exact distances for a shortlist serve large ones,
 // Gram and distance matrices. Cost O(N log N) or O(N^2 D).
 #pragma once
@@ -45,7 +46,7 @@ class NeighborSearch {
     /// `count` neighbors.
     virtual void prepare(Index /*begin*/, Index /*end*/) {}
     /// The `count` nearest others of x no farther than the squared radius, sorted by
-    /// squared distance, then by input number.
+    /// squared distance, then by number.
     virtual void nearest(Index x, Index count, double squared_radius,
                          std::vector<Neighbor>& out) = 0;
     /// Whether each nearest() looks at every sample.

@@ -34,7 +34,7 @@ class BruteForce final : public NeighborSearch::Implementation {
     result.count = count;
     result.indices.resize(static_cast<std::size_t>(n) * count);
     result.squared_distances.resize(result.indices.size());
-    const NeighborOrder order(samples_);
+    const NeighborOrder order;
     for_each_block_uncounted(n, kBlock, execution, [&](Offset begin, Offset end) {
       std::vector<Neighbor> list;
       for (Offset i = begin; i < end; ++i) {
@@ -58,7 +58,7 @@ class BruteForce final : public NeighborSearch::Implementation {
   class BruteForceQuery final : public NeighborSearch::Query {
    public:
     BruteForceQuery(const Samples& samples, const Execution& execution)
-        : samples_(samples), execution_(execution), order_(samples) {}
+        : samples_(samples), execution_(execution) {}
 
     bool looks_at_all() const override { return true; }
 

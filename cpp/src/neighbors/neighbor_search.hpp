@@ -28,18 +28,14 @@ namespace detail {
 std::unique_ptr<NeighborSearch::Implementation> make_brute_force(
     const Samples& samples);
 
-/// Orders neighbors by squared distance, then by input number.
-class NeighborOrder {
- public:
-  explicit NeighborOrder(const Samples& samples) : samples_(&samples) {}
+/// Orders neighbors by squared distance, then by number: of points along the curve on which
+/// they are sorted, whatever their order in the input.
+struct NeighborOrder {
   bool operator()(const Neighbor& a, const Neighbor& b) const {
     return a.squared_distance != b.squared_distance
                ? a.squared_distance < b.squared_distance
-               : samples_->input_index(a.index) < samples_->input_index(b.index);
+               : a.index < b.index;
   }
-
- private:
-  const Samples* samples_;
 };
 
 /// Cuts the list to the `count` first in order and sorts these.

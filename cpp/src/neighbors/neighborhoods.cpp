@@ -44,12 +44,10 @@ struct SquaredEuclidean {
 };
 
 /// The nearest samples met so far, kept sorted by insertion while few are asked for and as
-/// a heap otherwise. Unlike FLANN's own result sets it breaks ties by input number, leaves
+/// a heap otherwise. Unlike FLANN's own result sets it breaks ties by number, leaves
 /// out the sample itself and allocates nothing once it has grown.
 class NearestSet final : public flann::ResultSet<double> {
  public:
-  explicit NearestSet(const Samples& samples) : order_(samples) {}
-
   void reset(Index self, Index count, double squared_radius,
              std::vector<Neighbor>& list) {
     self_ = self;
@@ -178,7 +176,7 @@ class FlannSearch final : public NeighborSearch::Implementation {
   class FlannQuery final : public NeighborSearch::Query {
    public:
     explicit FlannQuery(const FlannSearch& search)
-        : search_(search), set_(search.samples_), shared_(search.samples_) {}
+        : search_(search), shared_(search.samples_) {}
 
     void prepare(Index /*begin*/, Index end) override {
       end_ = end;

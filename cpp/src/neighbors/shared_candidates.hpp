@@ -20,7 +20,6 @@ class SharedCandidates {
  public:
   explicit SharedCandidates(const Samples& samples)
       : samples_(samples),
-        order_(samples),
         low_(samples.ambient_dim()),
         high_(samples.ambient_dim()),
         center_(samples.ambient_dim()),

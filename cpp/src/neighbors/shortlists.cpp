@@ -320,7 +320,7 @@ class Products {
       scratch.exact.push_back(
           {samples_.squared_distance(x, bounds.sample), bounds.sample});
     }
-    keep_nearest(scratch.exact, count_, NeighborOrder(samples_));
+    keep_nearest(scratch.exact, count_, NeighborOrder());
     scratch.kept.clear();
     for (const Neighbor& neighbor : scratch.exact) {
       scratch.kept.push_back({0, 0, neighbor.index});

@@ -11,7 +11,7 @@ namespace {
 
 using testing::Cloud;
 
-/// By sorting all samples, ties by input number.
+/// By sorting all samples, ties by number.
 std::vector<Index> sorted_others(const Samples& samples, Index x) {
   std::vector<Index> others;
   for (Index q = 0; q < samples.size(); ++q) {
@@ -22,7 +22,7 @@ std::vector<Index> sorted_others(const Samples& samples, Index x) {
   std::sort(others.begin(), others.end(), [&](Index a, Index b) {
     const double da = samples.squared_distance(x, a);
     const double db = samples.squared_distance(x, b);
-    return da != db ? da < db : samples.input_index(a) < samples.input_index(b);
+    return da != db ? da < db : a < b;
   });
   return others;
 }

@@ -42,12 +42,25 @@ def among_clutter():
     return np.vstack([datasets.torus(1500, random_state=0), clutter])
 
 
+def shell_of_voxels():
+    cube = lattice(20, 3) / 20 - 0.5
+    far = np.linalg.norm(cube, axis=1)
+    return cube[abs(far - 0.4) < 0.03]
+
+
+def quantized_cube():
+    cube = np.random.default_rng(3).random((500, 3))
+    return np.column_stack([np.round(cube[:, :2] * 10) / 10, cube[:, 2]])
+
+
 SAMPLES = {
     "square lattice": (lattice(15, 2), 2),
     "square lattice, rounded": (lattice(15, 2) / 7, 2),
     "cubic lattice": (lattice(8, 3), 3),
     "lattice on a torus": (datasets.grid_torus(960), 2),
     "voxels of a sphere": (lattice_sphere(), 2),
+    "shell of voxels": (shell_of_voxels(), 2),
+    "quantized cube": (quantized_cube(), 3),
     "terrain": (terrain(), 2),
     "straight row": (lattice(50, 2)[:50], 1),
     "regular polygon": (regular_polygon(60), 1),
