@@ -79,9 +79,10 @@ def solve_program(
     solver.setOptionValue("presolve", presolve)
     solver.setOptionValue("mip_max_nodes", MAX_NODES)
     solver.setOptionValue("mip_rel_gap", 1e-9)
-    # It takes a quarter of the time of small programs and finds nothing that they need;
-    # older versions know neither it nor the option.
+    # These take a quarter each of the time of small programs and find nothing that they
+    # need; older versions know neither them nor the options.
     solver.setOptionValue("mip_heuristic_run_feasibility_jump", False)
+    solver.setOptionValue("mip_heuristic_run_root_reduced_cost", False)
 
     if len(integral):
         _stop_when(cancelled, solver, highspy)
