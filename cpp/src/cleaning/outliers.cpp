@@ -8,8 +8,10 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <stdexcept>
 #include <string>
 
@@ -75,7 +77,16 @@ class OutlierFinder {
         known_in_(samples.size(), kNever),
         apart_(samples.size()),
         reach_(samples.size()),
-        scales_(samples.size()) {}
+        scales_(samples.size()),
+        wide_(samples.size()) {}
+
+  ~OutlierFinder() {
+    for (std::atomic<std::vector<Index>*>& slot : wide_) {
+      delete slot.load();
+    }
+  }
+  OutlierFinder(const OutlierFinder&) = delete;
+  OutlierFinder& operator=(const OutlierFinder&) = delete;
 
   std::vector<Index> run() {
     std::vector<Index> outliers;
@@ -125,14 +136,18 @@ class OutlierFinder {
     for (Index k = 0; k < neighborhoods_.count && as_index(near) < count; ++k) {
       take(known[k]);
     }
+    if (as_index(near) < count) {
+      near.clear();
+      for (const Index y : wide(x, scratch)) {
+        if (as_index(near) < count) {
+          take(y);
+        }
+      }
+    }
     Index asked = std::max(neighborhoods_.count, count);
     while (as_index(near) < count && asked < 2 * samples_.size()) {
       asked *= 2;
-      if (!scratch.query) {
-        scratch.query = search_.query(execution_);
-      }
-      scratch.query->nearest(x, std::min(asked, samples_.size() - 1),
-                             std::numeric_limits<double>::infinity(), scratch.found);
+      search(x, asked, scratch);
       near.clear();
       for (const Neighbor& neighbor : scratch.found) {
         if (as_index(near) < count) {
@@ -140,6 +155,33 @@ class OutlierFinder {
         }
       }
     }
+  }
+
+  void search(Index x, Index count, Scratch& scratch) const {
+    if (!scratch.query) {
+      scratch.query = search_.query(execution_);
+    }
+    scratch.query->nearest(x, std::min(count, samples_.size() - 1),
+                           std::numeric_limits<double>::infinity(), scratch.found);
+  }
+
+  /// Twice as many nearest others as vote, searched for once.
+  const std::vector<Index>& wide(Index x, Scratch& scratch) const {
+    std::atomic<std::vector<Index>*>& slot = wide_[x];
+    if (const std::vector<Index>* known = slot.load(std::memory_order_acquire)) {
+      return *known;
+    }
+    search(x, 2 * std::max(neighborhoods_.count, vote_count_), scratch);
+    auto found = std::make_unique<std::vector<Index>>();
+    found->reserve(scratch.found.size());
+    for (const Neighbor& neighbor : scratch.found) {
+      found->push_back(neighbor.index);
+    }
+    std::vector<Index>* other = nullptr;
+    if (slot.compare_exchange_strong(other, found.get(), std::memory_order_acq_rel)) {
+      return *found.release();
+    }
+    return *other;  // of a thread that was faster: the same
   }
 
   static Index as_index(const std::vector<Index>& values) {
@@ -525,6 +567,7 @@ class OutlierFinder {
   std::vector<double> apart_;
   std::vector<double> reach_;
   std::vector<double> scales_;
+  mutable std::vector<std::atomic<std::vector<Index>*>> wide_;  // once searched for
   double median_scale_ = 0;
 };
 
