@@ -14,7 +14,7 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.collections import LineCollection
+from matplotlib.collections import LineCollection, PolyCollection
 
 from drawing import ALARM_COLOR, SAMPLE_COLOR, draw_simplices, project, save
 
@@ -305,6 +305,61 @@ def outline(axes, curve, color):
     axes.plot(curve.real, curve.imag, color=color, linewidth=1)
 
 
+def map_of_shapes(page):
+    chart = page["atlas"].charts[0]
+    rows = np.searchsorted(chart.vertices, page["rec"].simplices[chart.simplices])
+    picture, axes = plt.subplots(figsize=(9, 4.6), layout="constrained")
+    axes.triplot(*chart.coordinates.T, rows, color=GRAY, linewidth=0.3)
+    places, curves = page["places"], page["drawn"]
+    step = 0.36 * page["step"]
+    size = step / abs(curves).max()
+    for place, curve in zip(places, curves, strict=True):
+        outline(axes, curve * size + complex(*place), SAMPLE_COLOR)
+    here = page["there"].coordinates[0]
+    outline(axes, page["new"][0] * size + complex(*here), ALARM_COLOR)
+    axes.autoscale_view()
+    plain(axes, "one chart; red: an outline that was no sample, at its place")
+    return picture
+
+
+def scan_for_the_web(page):
+    nose, coarse, flat = page["nose"], page["coarse"], page["flat"]
+    labels, palette = page["atlas"].labels, plt.colormaps["Set2"](np.arange(8))[:, :3]
+    picture, axes = plt.subplots(
+        1, 3, figsize=(9, 4.2), width_ratios=(1, 1, 1.35), layout="constrained"
+    )
+    upright = (-78.0, -8.0)
+    for place, complex_, colors in (
+        (axes[0], nose, None),
+        (axes[1], coarse, palette[labels % 8]),
+    ):
+        seen = complex_.vertices[:, [0, 2, 1]] * [1.0, -1.0, 1.0]
+        draw_simplices(
+            place, seen, complex_.simplices, upright, line_width=0.15, colors=colors
+        )
+        place.set_title(f"{len(complex_.simplices):,} triangles", fontsize=9)
+    uv = flat.vertex_attributes["uv"]
+    chart_of = {
+        tuple(row): label
+        for row, label in zip(
+            np.sort(coarse.simplices, axis=1).tolist(), labels.tolist(), strict=True
+        )
+    }
+    corners = flat.vertex_attributes["vertex"][flat.simplices]
+    own = [chart_of[tuple(row)] for row in np.sort(corners, axis=1).tolist()]
+    axes[2].add_collection(
+        PolyCollection(
+            uv[flat.simplices],
+            facecolors=palette[np.array(own) % 8],
+            edgecolors="#555555",
+            linewidths=0.15,
+        )
+    )
+    axes[2].autoscale_view()
+    plain(axes[2], f"{len(page['atlas'])} charts, side by side")
+    return picture
+
+
 DRAWN = {
     draw.__name__: draw
     for draw in (
@@ -313,6 +368,8 @@ DRAWN = {
         rotations,
         rotated_images,
         shape_space,
+        map_of_shapes,
+        scan_for_the_web,
         ring_molecule,
         linkage,
     )

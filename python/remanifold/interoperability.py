@@ -69,7 +69,7 @@ def from_trimesh(mesh: Any) -> SimplicialComplex:
     Parameters
     ----------
     mesh : trimesh.Trimesh
-        With its ``vertex_attributes``.
+        With its ``vertex_attributes``, and colors of its vertices as ``colors``.
 
     Returns
     -------
@@ -77,6 +77,9 @@ def from_trimesh(mesh: Any) -> SimplicialComplex:
     """
     points, simplices = objects.arrays_of_trimesh(mesh)
     known = dict(getattr(mesh, "vertex_attributes", {}))
+    visual: Any = getattr(mesh, "visual", None)
+    if "colors" not in known and getattr(visual, "kind", None) == "vertex":
+        known["colors"] = np.asarray(visual.vertex_colors)
     return SimplicialComplex(points, simplices, vertex_attributes=known)
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar, overload
 
 import numpy as np
 
+from remanifold._base.progress import progress_callback
 from remanifold._base.text import one_line
 from remanifold._base.validation import (
     check_choice,
@@ -63,6 +64,8 @@ from remanifold.complex.parts import open_faces
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
+
+    from remanifold._base.progress import Callback
 
     Floats = NDArray[np.float64]
 
@@ -937,7 +940,11 @@ class Calculus(Generic[C]):
     # ---------------------------------------------------------------------- charts
 
     def charts(
-        self, method: ChartMethod = "auto", *, max_distortion: float = 2.0
+        self,
+        method: ChartMethod = "auto",
+        *,
+        max_distortion: float = 2.0,
+        progress: bool | Callback | None = None,
     ) -> Atlas:
         """Coordinates: parts laid out in R^K, with the ways between them and back.
 
@@ -952,6 +959,8 @@ class Calculus(Generic[C]):
             More than 1. No length is stretched or shrunk by a larger factor in a chart;
             parts where one would be are cut in two. Slivers decide: a larger bound
             gives fewer charts.
+        progress : bool or callable, optional
+            True for a bar, or a function of (step, done, total).
 
         Returns
         -------
@@ -994,7 +1003,8 @@ class Calculus(Generic[C]):
         if limit <= 1:
             msg = f"max_distortion is {max_distortion}, expected more than 1"
             raise ValueError(msg)
-        return make_atlas(self._complex, method, limit, self._make)
+        with progress_callback(progress) as callback:
+            return make_atlas(self._complex, method, limit, self._make, callback)
 
     # -------------------------------------------------------------------- geometry
 

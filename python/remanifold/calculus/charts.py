@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
+    from remanifold._base.progress import Callback
+
     Floats = NDArray[np.float64]
 
 # Gap between the charts of a texture, in units of the side of a square of their area, and
@@ -389,15 +391,22 @@ def _on_shelves(sizes: Floats) -> tuple[Floats, float]:
 
 
 def make_atlas(
-    whole: ComplexData, method: str, max_distortion: float, make: Callable[..., Any]
+    whole: ComplexData,
+    method: str,
+    max_distortion: float,
+    make: Callable[..., Any],
+    progress: Callback | None = None,
 ) -> Atlas:
     """Cut until each part can be laid out; see `Calculus.charts`."""
+    tell = progress or (lambda *_: None)
+    num_done = 0
     adjacency = _adjacency(whole.simplices)
     lay_out = functools.partial(_with_ring, whole, method, max_distortion)
     labels = np.full(len(whole.simplices), -1, dtype=np.int64)
     done: list[tuple[NDArray[np.int64], Chart]] = []
     waiting = _connected(adjacency, np.arange(len(whole.simplices)))[::-1]
     while waiting:
+        tell("charts", num_done, len(labels))
         region = waiting.pop()
         chart = lay_out(region)
         if chart is None:
@@ -409,7 +418,9 @@ def make_atlas(
             continue
         labels[region] = len(done)
         done.append((region, chart))
-    _merge(adjacency, labels, done, lay_out)
+        num_done += len(region)
+    tell("charts", len(labels), len(labels))
+    _merge(adjacency, labels, done, lay_out, tell)
     kept, labels = np.unique(labels, return_inverse=True)
     charts = tuple(done[number][1] for number in kept)
     return Atlas(charts, labels.reshape(-1).astype(np.int64), whole, make)
@@ -420,13 +431,16 @@ def _merge(
     labels: NDArray[np.int64],
     done: list[tuple[NDArray[np.int64], Chart]],
     lay_out: Callable[[NDArray[np.int64]], Chart | None],
+    tell: Callback,
 ) -> None:
     """Join parts with those beside them where that can be laid out as well.
 
     Once for each, the smallest first, with at most so many of its neighbors: all this
     takes a constant times what laying out all parts takes.
     """
-    for number in np.argsort([len(region) for region, _ in done], kind="stable"):
+    order = np.argsort([len(region) for region, _ in done], kind="stable")
+    for place, number in enumerate(order):
+        tell("joining charts", place, len(done))
         region = done[number][0]
         beside = labels[adjacency[region].indices]
         others, shared = np.unique(beside[beside != number], return_counts=True)
@@ -437,6 +451,7 @@ def _merge(
                 labels[region] = other
                 done[other] = union, found
                 break
+    tell("joining charts", len(done), len(done))
 
 
 def _with_ring(

@@ -348,7 +348,7 @@ def _defects(
             report["unstarred_simplices"],
             f"{{}} {simplices} are in the star of none of their vertices",
         ),
-        (report["holes"], "{} holes"),
+        (report["holes"], "{} holes where none were asked for"),
         (
             report["singular_vertices"],
             "no manifold: around {} vertices it is neither a ball nor half of one",
@@ -369,7 +369,7 @@ def _table(report: dict[str, Any]) -> Table:
         f"filled {simplices}": "filled_simplices",
         "inserted samples": "inserted_samples",
         "cut samples": "cut_samples",
-        "holes": "holes",
+        "unwanted holes": "holes",
         "boundary components": "boundary_components",
         "singular vertices": "singular_vertices",
     }

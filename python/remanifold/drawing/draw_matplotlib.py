@@ -91,7 +91,9 @@ def _surface(axes: Any, surface: Surface, scene: Scene) -> Any:
         load("matplotlib.colors", "plot").to_rgba(MESH_COLOR), (len(corners), 1)
     )
     mappable = None
-    if surface.values is not None and scene.scale is not None:
+    if surface.values is not None and scene.scale is None:
+        colors[:, :3] = surface.values[surface.triangles].mean(axis=1)
+    elif surface.values is not None and scene.scale is not None:
         of_points, mappable = _mapped(surface.values, scene.scale)
         colors = of_points[surface.triangles].mean(axis=1)
     if not scene.flat:
@@ -116,7 +118,9 @@ def _lines(axes: Any, lines: Lines, scene: Scene) -> Any:
     ends = lines.points[lines.edges]
     colors: Any = lines.color
     mappable = None
-    if lines.values is not None and scene.scale is not None:
+    if lines.values is not None and scene.scale is None:
+        colors = lines.values[lines.edges].mean(axis=1)
+    elif lines.values is not None and scene.scale is not None:
         middle = lines.values[lines.edges]
         if scene.scale.categories:
             middle = middle[:, :1]

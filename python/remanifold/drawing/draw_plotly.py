@@ -131,7 +131,9 @@ def _surface(
     points = surface.points - middle
     i, j, k = surface.triangles.astype(np.int32).T
     look: dict[str, Any] = {"color": MESH_COLOR}
-    if surface.values is not None and scale is not None:
+    if surface.values is not None and scale is None:
+        look = {"vertexcolor": np.rint(surface.values * 255).astype(np.uint8)}
+    elif surface.values is not None and scale is not None:
         intensity, stops, (low, high) = _coloring(surface.values, scale)
         look = {
             "intensity": intensity,
@@ -206,7 +208,14 @@ def _lines(
     go: Any, lines: Lines, middle: NDArray[np.float64], scale: Scale | None
 ) -> Any:
     look: dict[str, Any] = {"color": lines.color, "width": lines.width}
-    if lines.values is not None and scale is not None:
+    if lines.values is not None and scale is None:
+        ends = np.zeros((len(lines.edges), 3, 3), dtype=np.int64)
+        ends[:, :2] = np.rint(lines.values[lines.edges] * 255)
+        look = {
+            "color": [f"rgb({r},{g},{b})" for r, g, b in ends.reshape(-1, 3).tolist()],
+            "width": max(lines.width, 3),
+        }
+    elif lines.values is not None and scale is not None:
         values, stops, (low, high) = _coloring(lines.values, scale)
         ends = np.zeros((len(lines.edges), 3), dtype=np.float32)
         ends[:, :2] = values[lines.edges]

@@ -120,8 +120,10 @@ def _cells(rows: NDArray[np.intp]) -> NDArray[np.intp]:
 def _coloring(
     values: NDArray[np.float64] | None, scale: Scale | None, color: str
 ) -> dict[str, Any]:
-    if values is None or scale is None:
+    if values is None:
         return {"color": color}
+    if scale is None:
+        return {"scalars": np.rint(values * 255).astype(np.uint8), "rgb": True}
     bar: dict[str, Any] = {
         "title": scale.label or "value",
         "color": "black",

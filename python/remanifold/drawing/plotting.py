@@ -56,15 +56,18 @@ def plot(
     complex : SimplicialComplex or Reconstruction
         In any number of dimensions, or known by products only; what `remanifold.embed`
         makes of more than three is said in the picture.
-    color : str or array_like, shape (N,), optional
-        Values of the vertices; or "component", "boundary", "quality" (shape of the
-        simplices: 1 if regular, 0 if flat, the mean at each vertex) or, for a
-        Reconstruction, an array of `Reconstruction.quality`: "spacing", "curvature",
-        "reach", "sampling_ratio", "tangent_confidence", "disputed", "fold", "gap" or
-        "doubtful". Colors span the percentiles 1 to 99; what is NaN is gray.
-    style : {"auto", "surface", "shrunken", "edges"}
+    color : str or array_like, shape (N,) or (N, 3), optional
+        Values of the vertices, or their colors: red, green and blue from 0 to 1 or 0 to
+        255. Or the name of one of `vertex_attributes`, numbers or colors; or "component",
+        "boundary", "quality" (shape of the simplices: 1 if regular, 0 if flat, the mean
+        at each vertex) or, for a Reconstruction, an array of `Reconstruction.quality`:
+        "spacing", "curvature", "reach", "sampling_ratio", "tangent_confidence",
+        "disputed", "fold", "gap" or "doubtful". Numbers span the percentiles 1 to 99;
+        what is NaN is gray.
+    style : {"auto", "surface", "shrunken", "cut", "edges"}
         Triangles or their edges only; for K = 3 tetrahedra drawn apart within the
-        boundary, or "surface", the boundary alone. Beyond K = 3 there are edges.
+        boundary, or "surface", the boundary alone, or "cut", the half of the tetrahedra
+        behind a plane, so that the inside shows. Beyond K = 3 there are edges.
     show_samples : bool
         Draw the samples, where they were given, or the vertices.
     show_doubtful : bool

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, get_args
 import numpy as np
 
 from remanifold import _core
+from remanifold._base.colors import are_colors, byte_colors
 from remanifold._base.validation import check_choice, check_vertex_values
 from remanifold.complex import parts
 from remanifold.complex.measures import at_vertices, shapes
@@ -24,10 +25,11 @@ if TYPE_CHECKING:
 
     Points: TypeAlias = NDArray[np.float64]
 
-Style: TypeAlias = Literal["auto", "surface", "shrunken", "edges"]
+Style: TypeAlias = Literal["auto", "surface", "shrunken", "cut", "edges"]
 STYLES: tuple[str, ...] = get_args(Style)
 # Of each vertex: what any complex has, and those of `Quality`.
-FIELDS = ("boundary", "component", "quality", *QUALITY_FIELDS)
+_OF_ALL = ("boundary", "component", "quality")
+FIELDS = (*_OF_ALL, *QUALITY_FIELDS)
 
 MESH_COLOR = "#f2c98f"
 WIRE_COLOR = "#5b4a33"
@@ -45,6 +47,7 @@ CATEGORY_COLORS = (
     *("#f2c98f", "#6aa5d9", "#7fc27f", "#d98080", "#a98bc9"),
     *("#b89070", "#e3a4cf", "#a5a5a5", "#c9c95f", "#6cc7c9"),
 )
+TOWARDS = np.array([1.25, 1.1, 0.0])  # whoever looks, as all who draw place the camera
 SHRUNKEN = 0.6  # size of tetrahedra that are drawn apart
 WITH_WIRE = 20_000  # triangles up to which their edges are drawn as well
 PLAIN = 1_000  # tetrahedra drawn apart before they hide each other
@@ -61,7 +64,11 @@ class Scale(NamedTuple):
 
 
 class Surface(NamedTuple):
-    """Triangles; `values` are those of the points."""
+    """Triangles; `values` are those of the points.
+
+    One number each, which the scene's scale makes a color of, or a color: red, green and
+    blue from 0 to 1, (n, 3).
+    """
 
     name: str
     points: Points
@@ -72,7 +79,7 @@ class Surface(NamedTuple):
 
 
 class Lines(NamedTuple):
-    """Edges between points."""
+    """Edges between points; `values` as in `Surface`."""
 
     name: str
     points: Points
@@ -185,11 +192,27 @@ class _Builder:
     def add_solid(self, style: str) -> None:
         rows = self.complex.simplices
         rim = open_faces(rows)
+        if style == "cut":
+            self.add_cut(rows)
+            return
         shrunken = style in ("auto", "shrunken")
         if shrunken or len(rim) == 0:
             self.add_shrunken(rows)
         if len(rim):
             self.add_surface("boundary", rim, 0.22 if shrunken else 1.0)
+
+    def add_cut(self, rows: NDArray[np.int32]) -> None:
+        """The half of the tetrahedra that is farther away, and so what is inside."""
+        heights = self.points[rows].mean(axis=1) @ TOWARDS
+        kept = heights <= np.median(heights)
+        self.scene.caption.append(
+            f"Cut: shown are {int(kept.sum()):,} of {len(rows):,} tetrahedra, those behind "
+            "a plane"
+        )
+        self.add_surface("cut", open_faces(rows[kept]))
+        rest = open_faces(rows[~kept])
+        if len(rest):
+            self.add_surface("part in front", rest, 0.1)
 
     def add_surface(
         self, name: str, triangles: NDArray[np.int32], opacity: float = 1.0
@@ -235,7 +258,9 @@ class _Builder:
         points = (middle + SHRUNKEN * (corners - middle)).reshape(-1, 3)
         sides = np.array(list(itertools.combinations(range(4), 3)))
         triangles = (np.arange(len(shown))[:, None, None] * 4 + sides).reshape(-1, 3)
-        values = None if self.values is None else self.values[shown].ravel()
+        values = None
+        if self.values is not None:
+            values = self.values[shown].reshape(-1, *self.values.shape[1:])
         self.scene.surfaces.append(
             Surface("tetrahedra", points, triangles, values, wire=True)
         )
@@ -306,13 +331,22 @@ def _reconstruction(complex: ComplexData, what: str) -> JudgedReconstruction:
 def _values(
     complex: ComplexData, color: str | ArrayLike | None
 ) -> tuple[NDArray[np.float64] | None, Scale | None]:
-    """Values of the vertices, and how they are colored."""
+    """Values of the vertices, and how they are colored; colors themselves have no scale."""
     if color is None:
         return None, None
     if not isinstance(color, str):
-        values = check_vertex_values(color, "color", complex.num_vertices)
-        return values, _range("", values)
-    check_choice(color, "color", FIELDS)
+        return _given(color, "", "color", complex.num_vertices)
+    known = complex.vertex_attributes
+    if color not in FIELDS and color not in known:
+        words = ", ".join(map(repr, (*FIELDS, *known)))
+        own = "" if known else "; the complex has no vertex_attributes"
+        msg = f"color is {color!r}, expected one of {words}, or an array{own}"
+        raise ValueError(msg)
+    # What is known now comes before what a file knew of an older result, as in `fields`.
+    judged = isinstance(complex, JudgedReconstruction)
+    if color in known and (color not in FIELDS or not (judged or color in _OF_ALL)):
+        what = f"color is {color!r}, of which vertex_attributes"
+        return _given(known[color], color, what, complex.num_vertices)
     if color == "component":
         labels = complex.component_labels()
         count = int(labels.max(initial=-1)) + 1
@@ -344,6 +378,28 @@ def _values(
             "in doubt", 0, 2, ("no", "yes"), (MESH_COLOR, DOUBTFUL_COLOR)
         )
     return values, _range(color.replace("_", " "), values)
+
+
+def _given(
+    values: ArrayLike, label: str, what: str, count: int
+) -> tuple[NDArray[np.float64], Scale | None]:
+    """Numbers, flags or colors that somebody gave for each vertex."""
+    array = np.asarray(values)
+    if array.ndim == 2 and array.shape[0] == count and array.dtype.kind in "biuf":
+        if are_colors(array):
+            # What is transparent is drawn as what is not.
+            return byte_colors(array)[:, :3] / 255.0, None
+        if array.shape[1] > 1:
+            msg = (
+                f"{what} has shape {array.shape} and holds no colors, which are red, "
+                "green and blue from 0 to 1 or 0 to 255; give one of its columns"
+            )
+            raise ValueError(msg)
+        array = array[:, 0]
+    numbers = check_vertex_values(array, what, count)
+    if array.dtype.kind == "b":
+        return numbers, Scale(label, 0, 2, ("no", "yes"), (MESH_COLOR, RIM_COLOR))
+    return numbers, _range(label, numbers)
 
 
 def _range(label: str, values: NDArray[np.float64]) -> Scale:

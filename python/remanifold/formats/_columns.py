@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from remanifold._base.colors import are_whole
 from remanifold.formats._mesh import FileMesh, Table
 from remanifold.formats._source import Source
 
@@ -287,14 +288,14 @@ def _make(source: Source, mesh: FileMesh, table: Table, choice: Choice) -> None:
         rest[name] = column
     if table.names is None:
         rest = _named_by_content(rest)
-    mesh.fields = gathered({n: _number(source, n, c) for n, c in rest.items()})
+    mesh.fields = gathered({n: numbered(source, n, c) for n, c in rest.items()})
 
 
 def _nameless(table: Table, i: int) -> str:
     return "index" if i == 0 and _counts(table.columns[0]) else f"column_{i}"
 
 
-def _number(source: Source, name: str, column: NDArray[Any]) -> NDArray[Any]:
+def numbered(source: Source, name: str, column: NDArray[Any]) -> NDArray[Any]:
     """Numbers for what is text: the place of each word among the sorted ones."""
     if column.dtype.kind in "biuf":
         return column
@@ -333,29 +334,11 @@ def gathered(scalars: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
 
 def _bytes(colors: NDArray[Any]) -> NDArray[Any]:
     """Whole numbers up to 255 as what they are, where a table has them as doubles."""
-    if colors.dtype.kind == "u" or not _whole(colors):
+    if colors.dtype.kind == "u" or not are_whole(colors):
         return colors
     if colors.size and 1 < colors.max() <= 255 and colors.min() >= 0:
         return colors.astype(np.uint8)
     return colors
-
-
-def byte_colors(colors: NDArray[Any]) -> NDArray[Any]:
-    """Colors as bytes, as viewers want them.
-
-    Of 16 bits, as LAS has them, the high byte counts where any is above 255; shares of
-    one are taken times 255. What is none of these stays.
-    """
-    if colors.dtype == np.uint8 or colors.ndim != 2 or colors.shape[1] not in (3, 4):
-        return colors
-    if not colors.size or not np.isfinite(colors).all() or colors.min() < 0:
-        return colors
-    most = colors.max()
-    if colors.dtype.kind == "f" and most <= 1:
-        return np.asarray(np.rint(colors * 255).astype(np.uint8))
-    if most > 65535 or not _whole(colors):
-        return colors
-    return np.asarray((colors // 256 if most > 255 else colors).astype(np.uint8))
 
 
 def _folded(name: str) -> str:
@@ -541,7 +524,7 @@ def _are_colors(columns: list[NDArray[Any]]) -> bool:
         return False
     low = min(column.min() for column in columns)
     high = max(column.max() for column in columns)
-    return bool(low >= 0 and 1 < high <= 255 and all(map(_whole, columns)))
+    return bool(low >= 0 and 1 < high <= 255 and all(map(are_whole, columns)))
 
 
 def _are_normals(columns: list[NDArray[Any]]) -> bool:
@@ -551,25 +534,19 @@ def _are_normals(columns: list[NDArray[Any]]) -> bool:
     with np.errstate(over="ignore", invalid="ignore"):
         squares = sum(np.square(column, dtype=np.float64) for column in columns)
         return bool((np.abs(squares - 1) < 0.01).all()) and not all(
-            map(_whole, columns)
+            map(are_whole, columns)
         )
 
 
 def _labels(columns: list[NDArray[Any]], axes: list[int]) -> bool:
     """Whether the last column has few whole numbers, and no other one is whole."""
     last = columns[axes[-1]]
-    if len(last) < _LEAST or not _whole(last):
+    if len(last) < _LEAST or not are_whole(last):
         return False
     distinct = len(np.unique(last))
     if not 1 < distinct <= min(64, len(last) // 5):
         return False
-    return not any(_whole(columns[i]) for i in axes[:-1])
-
-
-def _whole(values: NDArray[Any]) -> bool:
-    if values.dtype.kind in "biu":
-        return True
-    return bool((np.isfinite(values) & (np.trunc(values) == values)).all())
+    return not any(are_whole(columns[i]) for i in axes[:-1])
 
 
 def _shown(table: Table, axes: Sequence[int]) -> str:

@@ -27,7 +27,7 @@ def read_e57(source: Source, with_fields: bool) -> FileMesh:
                 for i in range(file.scan_count):
                     count = file.get_header(i).point_count
                     if count > bits:  # not one for each, and memory for all
-                        msg = f"it promises {count} points, and holds {bits // 8} bytes"
+                        msg = f"it promises {count:,} points, and holds {bits // 8:,} bytes"
                         raise ValueError(msg)
                     found, fields = _scan(file, i)
                     points.append(found)
@@ -100,7 +100,7 @@ def _check_header(source: Source) -> None:
     if head[:8] != b"ASTM-E57":
         source.fail("expected an E57 file, which begins with 'ASTM-E57'")
     if len(head) < 48:
-        source.fail(f"is truncated: expected an E57 header, found {len(head)} bytes")
+        source.fail(f"is truncated: expected an E57 header, found {len(head):,} bytes")
     expected = int.from_bytes(head[16:24], "little")
     if expected > size:
         source.fail(f"is truncated: expected {expected} bytes, found {size}")

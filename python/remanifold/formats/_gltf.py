@@ -11,7 +11,7 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from remanifold.formats._columns import byte_colors
+from remanifold._base.colors import byte_colors
 from remanifold.formats._mesh import FileMesh
 
 _FLOAT, _UBYTE, _UINT = 5126, 5121, 5125

@@ -51,7 +51,7 @@ def read_glb(source: Source, with_fields: bool) -> FileMesh:
     if version != 2:
         source.fail(f"is glTF of version {version}, expected 2; export it again")
     if length > len(data):
-        source.fail(f"is truncated: expected {length} bytes, found {len(data)}")
+        source.fail(f"is truncated: expected {length:,} bytes, found {len(data):,}")
     chunks: dict[bytes, bytes] = {}
     place = 12
     while place + 8 <= length:
@@ -169,7 +169,7 @@ class _Scene:
             number = len(self.scene.get("buffers", ()))
             size += sum(len(self._buffer(i)) for i in range(number))
         if 24 * rows > MOST_PER_BYTE * size:
-            what = f"{len(placed)} meshes of {rows} points in {size} bytes"
+            what = f"{len(placed):,} meshes of {rows:,} points in {size:,} bytes"
             self.source.fail(f"is damaged, or repeats its meshes too often: {what}")
 
     def _fields(self, attributes: Any, matrix: FloatArray) -> dict[str, NDArray[Any]]:
@@ -226,7 +226,9 @@ class _Scene:
             array = self._view(accessor["bufferView"], kind, width, count, start)
         else:
             if count > len(self.source.data):  # zeros that nothing in it stands for
-                self.source.fail(f"is damaged: an accessor has {count} rows of nothing")
+                self.source.fail(
+                    f"is damaged: an accessor has {count:,} rows of nothing"
+                )
             array = np.zeros((count, width), dtype=kind)
         if "sparse" in accessor:
             array = self._sparse(array, accessor["sparse"], kind, width)
@@ -261,7 +263,7 @@ class _Scene:
         step = view.get("byteStride") or kind.itemsize * width
         last = begin + (count - 1) * step + kind.itemsize * width
         if count and (begin < 0 or step < kind.itemsize or last > len(data)):
-            what = f"expected {count} rows of an array, which end beyond its data"
+            what = f"expected {count:,} rows of an array, which end beyond its data"
             self.source.fail(f"is damaged or truncated: {what}")
         strides = (step, kind.itemsize)
         rows = np.ndarray((count, width), kind, data, begin if count else 0, strides)

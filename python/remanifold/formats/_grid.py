@@ -42,7 +42,7 @@ def read_grid(source: Source) -> FileMesh | None:
     words = " ".join(lines[start:]).replace(",", ".").split()
     if len(words) != width * height:
         what = f"expected {height} rows of {width} heights"
-        source.fail(f"is truncated or damaged: {what}, found {len(words)} numbers")
+        source.fail(f"is truncated or damaged: {what}, found {len(words):,} numbers")
     try:
         heights = np.array(words, dtype=np.float64).reshape(height, width)
     except ValueError as error:

@@ -68,7 +68,7 @@ def _check_header(source: Source) -> None:
     if head[:4] != b"LASF":
         source.fail("expected a LAS file, which begins with 'LASF'")
     if len(head) < 227:
-        source.fail(f"is truncated: expected a LAS header, found {len(head)} bytes")
+        source.fail(f"is truncated: expected a LAS header, found {len(head):,} bytes")
     header_size, start, records = struct.unpack_from("<HII", head, 94)
     kind, length, count = struct.unpack_from("<BHI", head, 104)
     more = 0
@@ -77,12 +77,12 @@ def _check_header(source: Source) -> None:
     if not 227 <= header_size <= start <= size or 54 * records > start - header_size:
         source.fail("is damaged or truncated: its header does not fit the file")
     if 60 * more > size:
-        source.fail(f"is damaged or truncated: it has no room for {more} records")
+        source.fail(f"is damaged or truncated: it has no room for {more:,} records")
     if kind & 0xC0:
         _check_chunks(source, start, size)
     elif count * length > size - start:
         found = (size - start) // max(length, 1)
-        source.fail(f"is truncated: expected {count} points, found {found}")
+        source.fail(f"is truncated: expected {count:,} points, found {found:,}")
 
 
 def _check_chunks(source: Source, start: int, size: int) -> None:
@@ -98,4 +98,4 @@ def _check_chunks(source: Source, start: int, size: int) -> None:
         file.seek(place)
         _, chunks = struct.unpack("<II", file.read(8))
     if chunks > size:
-        source.fail(f"is damaged or truncated: it has no room for {chunks} chunks")
+        source.fail(f"is damaged or truncated: it has no room for {chunks:,} chunks")

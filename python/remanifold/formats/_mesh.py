@@ -72,7 +72,7 @@ def check_corners(source: Source, corners: IntArray, num_points: int) -> None:
     if corners.size and not 0 <= corners.min() <= corners.max() < num_points:
         low, high = int(corners.min()), int(corners.max())
         wrong = low if low < 0 else high
-        what = f"the {num_points} vertices" if num_points else "no vertices"
+        what = f"the {num_points:,} vertices" if num_points else "no vertices"
         source.fail(f"has a face with vertex {wrong}, which is none of {what}")
 
 

@@ -9,7 +9,7 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from remanifold.formats._columns import byte_colors
+from remanifold._base.colors import byte_colors
 from remanifold.formats._mesh import (
     Faces,
     FileMesh,

@@ -10,7 +10,7 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from remanifold.formats._columns import byte_colors
+from remanifold._base.colors import byte_colors
 from remanifold.formats._mesh import Faces, FileMesh, simplices_of_faces
 from remanifold.formats._source import FloatArray, Source
 
@@ -31,7 +31,7 @@ def read_off(source: Source, with_fields: bool) -> FileMesh:
         while len(points) < count:
             line, fields = next(lines, (0, []))
             if not fields:
-                what = f"expected {count} vertices, found {len(points)}"
+                what = f"expected {count:,} vertices, found {len(points):,}"
                 source.fail(f"is truncated: {what}")
             points.append(source.floats(line, fields, dim))
             if with_fields and kind and len(fields) > dim:
@@ -86,7 +86,7 @@ def _faces(source: Source, lines: Lines, count: int) -> Faces:
     while len(faces) < count:
         line, fields = next(lines, (0, []))
         if not fields:
-            source.fail(f"is truncated: expected {count} faces, found {len(faces)}")
+            source.fail(f"is truncated: expected {count:,} faces, found {len(faces):,}")
         size = source.count(line, fields[0])
         if len(fields) <= size:
             what = f"expected {size} vertices, found {len(fields) - 1}"

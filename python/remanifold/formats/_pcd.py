@@ -57,7 +57,7 @@ def read_pcd(source: Source, with_fields: bool) -> FileMesh:  # noqa: ARG001  fi
         table.names += [name] if width == 1 else [f"{name}_{i}" for i in range(width)]
         table.columns += [*flat.T]
     if header.height > 1:
-        source.note(f"is an image of {header.width} by {header.height} points")
+        source.note(f"is an image of {header.width:,} by {header.height:,} points")
     return mesh_of_table(source, table)
 
 
@@ -95,8 +95,8 @@ def _header(source: Source) -> tuple[_Header, int, int]:
     if lengths != {len(header.fields)}:
         source.fail(f"FIELDS, SIZE, TYPE and COUNT differ in length{_of(header)}")
     if header.height > 1 and header.width * header.height != header.points:
-        size = f"{header.width} by {header.height}"
-        source.fail(f"has {header.points} points in an image of {size}")
+        size = f"{header.width:,} by {header.height:,}"
+        source.fail(f"has {header.points:,} points in an image of {size}")
     return header, position, line
 
 
@@ -149,17 +149,18 @@ def _binary(
     expected = count * dtype.itemsize
     if header.data == "binary_compressed":
         if len(body) < 8:
-            source.fail(f"is truncated: expected {count} points, found none")
+            source.fail(f"is truncated: expected {count:,} points, found none")
         packed, size = (int.from_bytes(body[i : i + 4], "little") for i in (0, 4))
         if size != expected:
-            what = f"{count} points take {expected} bytes, it has {size}"
+            what = f"{count:,} points take {expected:,} bytes, it has {size:,}"
             source.fail(f"is damaged: {what}")
+        _more(source, header, body[8 + packed :], 1)
         if len(body) - 8 < packed:
-            rest = f"{len(body) - 8} of {packed} compressed bytes"
-            source.fail(f"is truncated: expected {count} points, found {rest}")
+            rest = f"{len(body) - 8:,} of {packed:,} compressed bytes"
+            source.fail(f"is truncated: expected {count:,} points, found {rest}")
         # A byte stands for at most 264 / 3.
         if size > 100 * packed:
-            source.fail(f"is damaged: {packed} bytes cannot hold {count} points")
+            source.fail(f"is damaged: {packed:,} bytes cannot hold {count:,} points")
         body = _lzf(source, memoryview(body)[8 : 8 + packed], size)
         # One field after the other, each of all points.
         columns: list[NDArray[Any]] = []
@@ -172,9 +173,23 @@ def _binary(
         return columns
     if len(body) < expected:
         found = len(body) // dtype.itemsize
-        source.fail(f"is truncated: expected {count} points, found {found}")
+        source.fail(f"is truncated: expected {count:,} points, found {found:,}")
+    _more(source, header, body[expected:], dtype.itemsize)
     records = np.frombuffer(body, dtype, count)
     return [np.ascontiguousarray(records[name]) for name in dtype.names or ()]
+
+
+def _more(source: Source, header: _Header, rest: bytes, size: int) -> None:
+    """Say so where there is more than the header tells of; some programs fill up."""
+    if len(rest) < size or not rest.strip(b"\r\n\0 "):
+        return
+    more = f"{len(rest):,} more bytes"
+    if size > 1:
+        more = f"{len(rest) // size:,} more points"
+    source.guess(
+        f"holds {more} than the {header.points:,} points that its header tells of, "
+        "which were not read: if the header is wrong, mend its POINTS and WIDTH"
+    )
 
 
 def _lzf(source: Source, packed: memoryview, size: int) -> bytes:
@@ -207,7 +222,7 @@ def _lzf(source: Source, packed: memoryview, size: int) -> bytes:
             part = bytes(out[start:])
             out += (part * (length // len(part) + 1))[:length]
     if len(out) != size:
-        what = f"expected {size} bytes of points, found {len(out)}"
+        what = f"expected {size:,} bytes of points, found {len(out):,}"
         source.fail(f"is damaged or truncated: {what}")
     return bytes(out)
 
@@ -224,6 +239,7 @@ def _ascii(
         if not words:
             continue
         if len(rows) == header.points:
+            _more(source, header, b"\n".join(body.splitlines()[number - line - 1 :]), 1)
             break
         if len(words) != width:
             what = f"expected {width} numbers, found {len(words)}"
@@ -231,7 +247,7 @@ def _ascii(
         source.floats(number, words, width)
         rows.append(words)
     if len(rows) < header.points:
-        what = f"expected {header.points} points, found {len(rows)}"
+        what = f"expected {header.points:,} points, found {len(rows):,}"
         source.fail(f"is truncated: {what}")
     columns: list[NDArray[Any]] = []
     place = 0

@@ -3,13 +3,15 @@
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import dataclass, field
-from typing import IO, Any
+from typing import IO, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from remanifold.formats._columns import GROUPS, byte_colors, gathered, mesh_of_table
+from remanifold._base.colors import byte_colors
+from remanifold.formats._columns import GROUPS, gathered, mesh_of_table
 from remanifold.formats._mesh import (
     Faces,
     FileMesh,
@@ -80,12 +82,13 @@ def read_ply(source: Source, with_fields: bool) -> FileMesh:
     if len(axes) < 2 and source.columns is None:
         found = ", ".join(names) or "none"
         source.fail(f"expected vertex properties x, y, z, found {found}")
-    reader = _Reader(source, body, encoding, line)
+    reader = _Reader(source, body, encoding, line, elements)
     tables: dict[str, _Table] = {}
-    for element in elements:
-        if not source.cells and "vertex" in tables:
-            break
+    waiting = list(elements)
+    while waiting and (source.cells or "vertex" not in tables):
+        element = waiting.pop(0)
         tables[element.name] = reader.element(element)
+    reader.look_behind(waiting)
     scalars = tables["vertex"].scalars
     if source.columns is None and not {*axes} <= {*scalars}:
         source.fail("expected numbers x, y, z, found lists")
@@ -192,8 +195,16 @@ def _header(
 class _Reader:
     """Reads one element after the other."""
 
-    def __init__(self, source: Source, body: bytes, order: str, line: int) -> None:
+    def __init__(
+        self,
+        source: Source,
+        body: bytes,
+        order: str,
+        line: int,
+        elements: list[_Element],
+    ) -> None:
         self.source = source
+        self.elements = elements
         self.body = body
         self.order = order  # of the bytes, or "ascii"
         self.line = line
@@ -206,11 +217,68 @@ class _Reader:
             return self._fixed(element)
         return self._same_lengths(element) or self._lists(element)
 
+    def look_behind(self, unread: list[_Element]) -> None:
+        """Say so where what is there is not what the header tells of."""
+        if self.order == "ascii":
+            rest = self.body[self.position :].splitlines()
+            lines = sum(bool(line.strip()) for line in rest)
+            left = lines - sum(element.count for element in unread)
+            what = "line"
+        else:
+            for element in unread:
+                self._skip(element)
+            left = len(self.body) - self.position
+            what = "byte"
+            # Some programs end a file by a line break.
+            if left > 0 and not self.body[self.position :].strip(b"\r\n\0 "):
+                left = 0
+        if left == 0:
+            return
+        told = ", ".join(f"{e.count:,} of '{e.name}'" for e in self.elements)
+        found = (
+            f"{left:,} {what}{'' if left == 1 else 's'} more"
+            if left > 0
+            else "less, or something else,"
+        )
+        self.source.guess(
+            f"holds {found} than its header tells of ({told}): what is read may be a part "
+            "of it; if the counts are wrong, mend them"
+        )
+
+    def _skip(self, element: _Element) -> None:
+        """Go past an element; beyond the end where there is not so much."""
+        if not element.has_lists():
+            self.position += element.count * element.least_size()
+            return
+        start = self.position
+        with contextlib.suppress(ValueError):
+            if self._same_lengths(element) is not None:
+                return
+        body = self.body
+        order: Literal["little", "big"] = "little" if self.order == "<" else "big"
+        sizes = [
+            (
+                0 if length is None else np.dtype(length).itemsize,
+                np.dtype(kind).itemsize,
+            )
+            for _, kind, length in element.properties
+        ]
+        place = start
+        for _ in range(element.count):
+            for width, size in sizes:
+                number = (
+                    int.from_bytes(body[place : place + width], order) if width else 1
+                )
+                place += width + number * size
+            if place > len(body):
+                break
+        self.position = place
+
     def _truncated(self, element: _Element, found: int) -> None:
         kind = {"vertex": "vertices", "face": "faces", "edge": "edges"}
         what = kind.get(element.name, f"records of '{element.name}'")
         self.source.fail(
-            f"is truncated: expected {element.count} {what}, found {found}"
+            f"is truncated: expected {element.count:,} {what}, found {found:,}"
         )
 
     def _text(self, element: _Element) -> _Table:

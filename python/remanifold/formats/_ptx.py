@@ -70,7 +70,7 @@ def _scan(
     first = start + _HEAD
     rows = lines[first : first + width * height]
     if len(rows) < width * height:
-        what = f"expected {width} by {height} points, found {len(rows)}"
+        what = f"expected {width:,} by {height:,} points, found {len(rows):,}"
         source.fail(f"is truncated: {what}")
     columns = len(rows[0].split()) if rows else 3
     if columns not in (3, 4, 7):

@@ -93,12 +93,12 @@ def _ascii(source: Source) -> FloatArray:
 def _binary(source: Source) -> FloatArray:
     data = source.data
     if len(data) < 84:
-        source.fail(f"is truncated: expected an STL header, found {len(data)} bytes")
+        source.fail(f"is truncated: expected an STL header, found {len(data):,} bytes")
     count = int.from_bytes(data[80:84], "little")
     facet = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("", "<u2")])
     expected = 84 + count * facet.itemsize
     if len(data) < expected:
-        what = f"{count} facets in {expected} bytes, found {len(data)} bytes"
+        what = f"{count:,} facets in {expected:,} bytes, found {len(data):,} bytes"
         source.fail(f"is truncated or no STL: expected {what}")
     facets = np.frombuffer(data, facet, count, offset=84)
     return facets["corners"].reshape(-1, 3).astype(np.float64)

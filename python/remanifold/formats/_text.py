@@ -81,10 +81,12 @@ def read_columns(source: Source, usual: str | None, counted: bool = False) -> Ta
         columns = _careful(source, lines, layout, counted)
     found = len(columns[0]) if columns else 0
     if layout.expected is not None and found < layout.expected:
-        source.fail(f"is truncated: expected {layout.expected} points, found {found}")
+        source.fail(
+            f"is truncated: expected {layout.expected:,} points, found {found:,}"
+        )
     if layout.expected is not None and found > layout.expected:
         source.guess(
-            f"its first line says {layout.expected} points, but there are {found}: all "
+            f"its first line says {layout.expected:,} points, but there are {found:,}: all "
             "are read"
         )
     return Table(columns, _fitting_names(layout.names, len(columns)))

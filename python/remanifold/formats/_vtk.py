@@ -127,7 +127,7 @@ class _Reader:
             elif key == "POINT_DATA" and mesh is not None:
                 count = self._count()
                 if count != len(mesh.points):
-                    self._fail(f"has {count} values for {len(mesh.points)} points")
+                    self._fail(f"has {count:,} values for {len(mesh.points):,} points")
                 mesh.fields = self._attributes(count)
             elif key == "CELL_DATA":
                 self._attributes(self._count())
@@ -187,7 +187,7 @@ class _Reader:
         try:
             points = self._array(kind, 3 * count, exact=True)
         except _TruncatedError as error:
-            what = f"expected {count} points, found {error.found // 3}"
+            what = f"expected {count:,} points, found {error.found // 3:,}"
             self.source.fail(f"is truncated: {what}")
         return points.reshape(-1, 3).astype(np.float64)
 
@@ -324,7 +324,7 @@ class _Reader:
             name = unquote(self._need())
             width, length, kind = self._count(), self._count(), self._need().lower()
             if count is not None and length != count:
-                self._fail(f"{name[:60]!r} has {length} values, expected {count}")
+                self._fail(f"{name[:60]!r} has {length:,} values, expected {count:,}")
             fields[name] = self._values(kind, length, width)
         return fields
 

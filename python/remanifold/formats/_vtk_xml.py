@@ -203,7 +203,7 @@ class _Reader:
             whole = len(data) // dtype.itemsize * dtype.itemsize
             values = np.frombuffer(data[:whole], dtype).astype(kind)
         if len(values) != expected:
-            what = f"expected {expected} numbers in {name!r}, found {len(values)}"
+            what = f"expected {expected:,} numbers in {name!r}, found {len(values):,}"
             self.source.fail(f"is damaged or truncated: {what}")
         return values.reshape(rows, width)
 
@@ -255,7 +255,7 @@ class _Reader:
         if not self.compressor:
             size = int(numbers[0])
             if len(data) < header + size:
-                msg = f"expected {size} bytes, found {len(data) - header}"
+                msg = f"expected {size:,} bytes, found {len(data) - header:,}"
                 raise ValueError(msg)
             return data[header : header + size]
         size, parts, place = int(numbers[1]), [], header

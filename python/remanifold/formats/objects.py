@@ -5,10 +5,12 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
+from remanifold._base.colors import are_colors, byte_colors
+from remanifold._base.validation import check_choice
 from remanifold.complex.data import check_complex
 from remanifold.complex.faces import boundary_operators
 from remanifold.complex.graphs import edge_lengths
@@ -19,6 +21,8 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from remanifold.complex.data import ComplexData
+
+    Fields: TypeAlias = Literal["auto"] | Mapping[str, ArrayLike] | None
 
 # Numbers of VTK's types of cells, and their names in meshio, by dimension.
 _VTK_CELLS = {1: 3, 2: 5, 3: 10}
@@ -78,17 +82,17 @@ def to_gudhi(complex: ComplexData, filtration: ArrayLike | None = None) -> Any:
     return tree
 
 
-def to_trimesh(
-    complex: ComplexData, fields: Mapping[str, ArrayLike] | None = None
-) -> Any:
+def to_trimesh(complex: ComplexData, fields: Fields = "auto") -> Any:
     """Triangles as an object of trimesh.
 
     Parameters
     ----------
     complex : SimplicialComplex
         Of dimension 2, in at most three coordinates, to which zeros are added.
-    fields : mapping of str to array_like, optional
-        Values at the vertices, which become `vertex_attributes`.
+    fields : "auto", None or mapping of str to array_like
+        Values at the vertices, which become `vertex_attributes`. "auto": those of the
+        complex. ``colors`` and ``normals`` of three numbers each are shown as well: they
+        become ``visual.vertex_colors`` and ``vertex_normals``.
 
     Returns
     -------
@@ -104,25 +108,31 @@ def to_trimesh(
     """
     points = _space(complex, "trimesh", (2,))
     trimesh = _needed("trimesh", "mesh")
+    known = _fields(complex, fields, len(points))
+    colors, normals = known.get("colors"), known.get("normals")
     return trimesh.Trimesh(
         vertices=points,
         faces=complex.simplices.astype(np.int64),
-        vertex_attributes=check_fields(fields, len(points)) or None,
+        vertex_attributes=known or None,
+        vertex_colors=(
+            byte_colors(colors) if colors is not None and are_colors(colors) else None
+        ),
+        vertex_normals=normals if _are_vectors(normals) else None,
         process=False,
     )
 
 
-def to_pyvista(
-    complex: ComplexData, fields: Mapping[str, ArrayLike] | None = None
-) -> Any:
+def to_pyvista(complex: ComplexData, fields: Fields = "auto") -> Any:
     """Edges, triangles or tetrahedra as an object of PyVista.
 
     Parameters
     ----------
     complex : SimplicialComplex
         Of dimension up to 3, in at most three coordinates, to which zeros are added.
-    fields : mapping of str to array_like, optional
-        Values at the vertices, which become `point_data`.
+    fields : "auto", None or mapping of str to array_like
+        Values at the vertices, which become `point_data`. "auto": the complex's
+        `vertex_attributes`. ``colors`` are bytes there, as VTK has them:
+        ``mesh.plot(scalars="colors", rgb=True)`` shows them.
 
     Returns
     -------
@@ -137,7 +147,7 @@ def to_pyvista(
         PyVista is not installed.
     """
     points = _space(complex, "PyVista", (1, 2, 3))
-    values = check_fields(fields, len(points))
+    values = _fields(complex, fields, len(points))
     pyvista = _needed("pyvista", "mesh")
     count, size = complex.simplices.shape
     cells = np.column_stack([np.full(count, size), complex.simplices]).ravel()
@@ -149,21 +159,21 @@ def to_pyvista(
     else:
         mesh = pyvista.PolyData(points, lines=cells)
     for name, array in values.items():
-        mesh.point_data[name] = array
+        shown = name == "colors" and are_colors(array)
+        mesh.point_data[name] = byte_colors(array) if shown else array
     return mesh
 
 
-def to_meshio(
-    complex: ComplexData, fields: Mapping[str, ArrayLike] | None = None
-) -> Any:
+def to_meshio(complex: ComplexData, fields: Fields = "auto") -> Any:
     """Edges, triangles or tetrahedra as a mesh of meshio.
 
     Parameters
     ----------
     complex : SimplicialComplex
         Of dimension up to 3, in any number of coordinates.
-    fields : mapping of str to array_like, optional
-        Values at the vertices, which become `point_data`.
+    fields : "auto", None or mapping of str to array_like
+        Values at the vertices, which become `point_data`. "auto": the complex's
+        `vertex_attributes`.
 
     Returns
     -------
@@ -180,7 +190,7 @@ def to_meshio(
     points = _coordinates(complex)
     _check_dim(complex, "meshio", tuple(_MESHIO_CELLS))
     cells = [(_MESHIO_CELLS[complex.dim], complex.simplices.copy())]
-    values = check_fields(fields, len(points))
+    values = _fields(complex, fields, len(points))
     return meshio.Mesh(points.copy(), cells, point_data=values)
 
 
@@ -241,19 +251,17 @@ def to_networkx(complex: ComplexData) -> Any:
     return graph
 
 
-def to_open3d(
-    complex: ComplexData, fields: Mapping[str, ArrayLike] | None = None
-) -> Any:
+def to_open3d(complex: ComplexData, fields: Fields = "auto") -> Any:
     """Edges, triangles or tetrahedra as an object of Open3D.
 
     Parameters
     ----------
     complex : SimplicialComplex
         Of dimension up to 3, in at most three coordinates, to which zeros are added.
-    fields : mapping of str to array_like, optional
-        Of these ``colors`` (numbers from 0 to 1, or bytes) and ``normals`` are taken,
-        each of shape (N, 3), for triangles and tetrahedra; Open3D has no room for others.
-        By default those of the complex's `vertex_attributes`.
+    fields : "auto", None or mapping of str to array_like
+        Of these ``colors`` (numbers from 0 to 1, bytes, or of 16 bits) and ``normals``
+        are taken, each of shape (N, 3), for triangles and tetrahedra; Open3D has no room
+        for others. "auto": those of the complex's `vertex_attributes`.
 
     Returns
     -------
@@ -268,8 +276,7 @@ def to_open3d(
         Open3D is not installed.
     """
     points = _space(complex, "Open3D", (1, 2, 3))
-    given = complex.vertex_attributes if fields is None else fields
-    known = check_fields(given, len(points))
+    known = _fields(complex, fields, len(points))
     open3d = _needed("open3d", "open3d")
     utility, geometry = open3d.utility, open3d.geometry
     places = utility.Vector3dVector(points)
@@ -280,14 +287,15 @@ def to_open3d(
         mesh = geometry.TriangleMesh(places, utility.Vector3iVector(cells))
     else:
         mesh = geometry.TetraMesh(places, utility.Vector4iVector(cells))
-    for name, attribute in (("colors", "vertex_colors"), ("normals", "vertex_normals")):
-        array = known.get(name)
-        if array is None or array.ndim != 2 or array.shape[1] < 3:
-            continue
-        values = array[:, :3].astype(np.float64)
-        if name == "colors" and array.dtype.kind != "f":
-            values /= 255
-        setattr(mesh, attribute, utility.Vector3dVector(values))
+    colors, normals = known.get("colors"), known.get("normals")
+    if colors is not None and are_colors(colors):
+        shares = colors[:, :3]
+        if colors.dtype.kind != "f" or colors.max() > 1:
+            shares = byte_colors(shares) / 255.0
+        mesh.vertex_colors = utility.Vector3dVector(shares.astype(np.float64))
+    if _are_vectors(normals):
+        assert normals is not None
+        mesh.vertex_normals = utility.Vector3dVector(normals.astype(np.float64))
     return mesh
 
 
@@ -402,6 +410,20 @@ def to_scipy(complex: ComplexData) -> Matrices:
     ones = np.ones(2 * len(i), dtype=np.bool_)
     adjacency = sparse.csr_array((ones, pairs), shape=(count, count))
     return Matrices(adjacency, boundaries, levels)
+
+
+def _fields(
+    complex: ComplexData, fields: Fields, count: int
+) -> dict[str, NDArray[Any]]:
+    """Values at the vertices: the complex's own, those that were given, or none."""
+    if isinstance(fields, str):
+        check_choice(fields, "fields", ("auto",))
+        return complex.vertex_attributes
+    return check_fields(fields, count)
+
+
+def _are_vectors(values: NDArray[Any] | None) -> bool:
+    return values is not None and values.ndim == 2 and values.shape[1] == 3
 
 
 def _needed(module: str, extra: str) -> Any:

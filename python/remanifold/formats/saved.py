@@ -204,7 +204,7 @@ def _check_numbers(held: dict[str, Any], fail: Callable[..., Any]) -> None:
             fail(f"is no saved result: it has no {name}")
     count = len(held["boundary"])
     if held["vertices"] is not None and len(held["vertices"]) != count:
-        fail(f"has {len(held['vertices'])} vertices and {count} samples")
+        fail(f"has {len(held['vertices']):,} vertices and {count:,} samples")
     for name in ("simplices", "representatives", "outliers", "attached", "invalid"):
         numbers = held.get(name)
         if numbers is None:
@@ -215,7 +215,7 @@ def _check_numbers(held: dict[str, Any], fail: Callable[..., Any]) -> None:
             fail(f"has {name} of {numbers.dtype} {numbers.shape}")
         if numbers.size and not 0 <= numbers.min() <= numbers.max() < count:
             fail(
-                f"has {name} from {numbers.min()} to {numbers.max()}, of {count} samples"
+                f"has {name} from {numbers.min()} to {numbers.max()}, of {count:,} samples"
             )
 
 

@@ -73,6 +73,13 @@ WRITERS: dict[str, Writer] = {
     ".xyz": Writer(write_table, (), three=False, fields=True),
     ".parquet": Writer(write_parquet, (), three=False, fields=True),
 }
+# What is often tried, and what writes it.
+_PAGE = "rec.report() or `remanifold report` writes pages"
+_IMAGE = "rec.plot(screenshot=...) or `remanifold view --screenshot` draws pictures"
+_OTHERS = {
+    **dict.fromkeys((".html", ".htm"), _PAGE),
+    **dict.fromkeys((".png", ".jpg", ".jpeg", ".svg", ".pdf"), _IMAGE),
+}
 MESH_WRITERS = tuple(s for s, writer in WRITERS.items() if writer.dims != ())
 POINT_WRITERS = tuple(s for s, writer in WRITERS.items() if writer.points)
 FIELD_WRITERS = tuple(s for s, writer in WRITERS.items() if writer.fields is True)
@@ -340,9 +347,11 @@ def check_output(
     """
     suffix = suffix_of(path, format, MESH_WRITERS)
     if suffix not in MESH_WRITERS:
+        other = _OTHERS.get(suffix)
         msg = (
             f"{path}: cannot write a mesh to {described(suffix)}; "
-            f"use one of {', '.join(MESH_WRITERS)}"
+            f"{f'{other}; a mesh is ' if other else 'use '}one of "
+            f"{', '.join(MESH_WRITERS)}"
         )
         raise ValueError(msg)
 

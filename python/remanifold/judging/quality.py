@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
@@ -58,6 +59,15 @@ class Reason(NamedTuple):
     text: str
     samples: NDArray[np.int64]
     kind: Literal["sampling", "noise", "singular"] = "sampling"
+
+    def __str__(self) -> str:
+        count = len(self.samples)
+        where = f" ({count:,} sample{'' if count == 1 else 's'})" if count else ""
+        said = f"{self.kind}: {self.text}{where}"
+        return textwrap.fill(said, 88, subsequent_indent="  ")
+
+    def __repr__(self) -> str:
+        return f"Reason({self.text!r}, samples={len(self.samples)}, kind={self.kind!r})"
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -137,7 +137,7 @@ class Repair(ReadOnlyArrays):
             disputed=len(self.disputed_simplices) if manifold else None,
             filled=len(self.filled_simplices) if manifold else None,
             boundary_components=self.num_boundary_components,
-            holes=self.num_holes,
+            unwanted_holes=self.num_holes,
             remaining=sum(len(getattr(self, name)) for name in _REMAINING.values()),
         )
 
@@ -198,7 +198,7 @@ class Repair(ReadOnlyArrays):
                 *(parts if self.method == "manifold" else ()),
                 ("open faces", len(self.open_faces)),
                 ("boundary components", self.num_boundary_components),
-                ("holes", self.num_holes),
+                ("unwanted holes", self.num_holes),
                 ("unused samples", len(self.unused_vertices)),
                 ("copies merged", self.merged_samples),
             )

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from remanifold._base.colors import are_colors
 from remanifold._base.files import StrPath, check_target, complete_file
 from remanifold._base.html import json_text, text
 from remanifold._base.optional import load
@@ -215,11 +216,15 @@ def _picture(rec: JudgedReconstruction) -> str:
 
 def _attributes(
     rec: JudgedReconstruction,
-) -> Iterator[tuple[str, NDArray[np.float64]]]:
-    """What is known of the vertices, one number each."""
-    one = (n for n, array in rec.vertex_attributes.items() if array.ndim == 1)
-    for name in itertools.islice(one, MOST_ATTRIBUTES):
-        yield name, rec.vertex_attributes[name].astype(np.float64)
+) -> Iterator[tuple[str, NDArray[Any]]]:
+    """What is known of the vertices, one number each or a color."""
+    shown = (
+        (name, array)
+        for name, array in rec.vertex_attributes.items()
+        if array.ndim == 1 or are_colors(array)
+    )
+    for name, array in itertools.islice(shown, MOST_ATTRIBUTES):
+        yield name, array if array.ndim == 2 else array.astype(np.float64)
 
 
 def _words(color: str) -> str:
@@ -231,7 +236,7 @@ def _words(color: str) -> str:
 def _figure(
     rec: JudgedReconstruction,
     placed: Embedding,
-    color: str | NDArray[np.float64] | None,
+    color: str | NDArray[Any] | None,
 ) -> tuple[dict[str, Any], list[str]]:
     """What plotly.js draws, and how it was embedded and coarsened."""
     scene = scene_of(
@@ -251,7 +256,7 @@ def _figure(
 def _changes(
     rec: JudgedReconstruction,
     placed: Embedding,
-    color: str | NDArray[np.float64],
+    color: str | NDArray[Any],
     plain: dict[str, Any],
 ) -> dict[str, dict[str, Any]]:
     """What a coloring has other than the plain picture, by trace."""

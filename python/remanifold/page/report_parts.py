@@ -122,7 +122,7 @@ def repair(rec: JudgedReconstruction) -> str:
         ("outliers left out", f"{len(rec.outliers):,}"),
         (f"open {faces}", f"{len(found.open_faces):,}"),
         ("boundary components", f"{found.num_boundary_components:,}"),
-        ("holes", f"{found.num_holes:,}"),
+        ("unwanted holes", f"{found.num_holes:,}"),
         (f"callous {faces}", f"{len(found.callous_faces):,}"),
     ]
     left = found.remaining()

@@ -366,7 +366,8 @@ class Reconstruction(JudgedReconstruction, SimplicialComplex):
         Parameters
         ----------
         path : str or path-like
-            The file, see `SimplicialComplex.write`.
+            The file, see `SimplicialComplex.write`. ``.rm.npz`` saves all of the result,
+            as `save` does.
         fields : "auto", "all", None or mapping of str to array_like
             Values at the vertices. "auto": those of `fields` that cost nothing, as far
             as the format holds them. "all": those of `quality` too, which takes about as
@@ -386,6 +387,15 @@ class Reconstruction(JudgedReconstruction, SimplicialComplex):
         Samples of `invalid` have no place in a file: vertices are numbered without them,
         and the field ``sample`` says which sample each is.
         """
+        if format is None and os.fspath(path).lower().endswith(SUFFIX):
+            if not isinstance(fields, str):
+                msg = f"{path}: a saved result holds everything; fields is for meshes"
+                raise ValueError(msg)
+            check_choice(fields, "fields", ("auto", "all"))
+            if fields == "all":
+                _ = self.quality  # what has been computed is saved
+            self.save(path)
+            return
         if isinstance(fields, str):
             check_choice(fields, "fields", ("auto", "all"))
             all_fields = self.fields(quality=True if fields == "all" else None)

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from remanifold.calculus.geodesics import GeodesicMethod
     from remanifold.complex.parts import Part
     from remanifold.complex.projection import PointsOnComplex, Projection, RandomState
+    from remanifold.formats.objects import Fields
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -165,19 +166,19 @@ class SimplicialComplex(ComplexData):
         """Simplex tree of GUDHI; see `interoperability.to_gudhi`."""
         return objects.to_gudhi(self, filtration)
 
-    def to_trimesh(self, fields: Mapping[str, ArrayLike] | None = None) -> Any:
+    def to_trimesh(self, fields: Fields = "auto") -> Any:
         """Triangles as an object of trimesh; see `interoperability.to_trimesh`."""
         return objects.to_trimesh(self, fields)
 
-    def to_pyvista(self, fields: Mapping[str, ArrayLike] | None = None) -> Any:
+    def to_pyvista(self, fields: Fields = "auto") -> Any:
         """Mesh or grid of PyVista; see `interoperability.to_pyvista`."""
         return objects.to_pyvista(self, fields)
 
-    def to_meshio(self, fields: Mapping[str, ArrayLike] | None = None) -> Any:
+    def to_meshio(self, fields: Fields = "auto") -> Any:
         """Mesh of meshio; see `interoperability.to_meshio`."""
         return objects.to_meshio(self, fields)
 
-    def to_open3d(self, fields: Mapping[str, ArrayLike] | None = None) -> Any:
+    def to_open3d(self, fields: Fields = "auto") -> Any:
         """Line set or mesh of Open3D; see `interoperability.to_open3d`."""
         return objects.to_open3d(self, fields)
 

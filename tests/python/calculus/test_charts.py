@@ -61,6 +61,25 @@ def atlas(manifold):
     return manifold.calculus.charts(max_distortion=limit_of(manifold))
 
 
+def test_progress_and_an_end_in_between(manifold):
+    """Each step from nothing to all of it; what a callback raises ends the work."""
+    told = []
+    options = {"max_distortion": limit_of(manifold)}
+    manifold.calculus.charts(progress=lambda *now: told.append(now), **options)
+    for step in ("charts", "joining charts"):
+        rows = [(done, total) for name, done, total in told if name == step]
+        assert rows[0][0] == 0
+        assert rows == sorted(rows)
+        assert rows[-1][0] == rows[-1][1] > 0
+    assert told[0][2] == len(manifold.simplices)
+
+    def stop(*_):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        manifold.calculus.charts(progress=stop, **options)
+
+
 @pytest.mark.parametrize("method", ["auto", "conformal", "tangent"])
 def test_charts_cover_and_distort_no_more_than_allowed(manifold, atlas, method):
     if method == "conformal" and manifold.dim != 2:

@@ -140,7 +140,12 @@ def test_table(tori, tmp_path):
     assert rows["components"] == "2"
     assert rows["Betti numbers"] == "2, 4, 2"
     assert rows["manifold"] == rows["closed"] == rows["orientable"] == "yes"
-    assert rows["boundary samples"] == rows["holes"] == rows["callous edges"] == "0"
+    assert (
+        rows["boundary samples"]
+        == rows["unwanted holes"]
+        == rows["callous edges"]
+        == "0"
+    )
     assert rows["edges by triangles"] == "6,480 in 2"
     for step in ("read", "neighborhoods", "tangent spaces", "local regions", "write"):
         assert step in result.stdout
@@ -257,8 +262,9 @@ def test_what_the_result_lacks(tmp_path):
     report = json.loads(result.stdout)
     holes = report["holes"]
     assert holes > 0
-    assert report["warnings"] == [f"{holes} holes"]
-    assert result.stderr == f"remanifold: warning: {holes} holes\n"
+    said = f"{holes} holes where none were asked for"
+    assert report["warnings"] == [said]
+    assert result.stderr == f"remanifold: warning: {said}\n"
 
     result = run(tmp_path / "grid.npy", *options, "--edges", "either")
     report = json.loads(result.stdout)

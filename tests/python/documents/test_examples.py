@@ -49,11 +49,24 @@ def numbers_of_rows(text):
     return [[float(n) for n in re.findall(r"-?\d+\.?\d*", row)] for row in plain]
 
 
+def raw_scan(path):
+    """A scan as they come: colors, noise, strays, pixels that saw nothing."""
+    rng = np.random.default_rng(0)
+    points = rm.datasets.torus(1500, random_state=0)
+    points = rm.datasets.add_noise(points, 0.02, random_state=1)
+    points = np.vstack([points, rng.uniform(-4, 4, (5, 3)), np.full((9, 3), np.nan)])
+    order = rng.permutation(len(points))
+    colors = rng.integers(0, 256, points.shape).astype(np.uint8)
+    rm.io.write_points(path, points[order], fields={"colors": colors})
+
+
 @pytest.mark.parametrize("path", PAGES, ids=lambda path: path.name)
 def test_python_on_the_pages_runs(path, tmp_path, monkeypatch, capsys):
     """All blocks of a page together, and what the comments after print() say."""
     blocks = re.findall(r"(?s)```python\n(.*?)```", path.read_text(encoding="utf-8"))
     monkeypatch.chdir(tmp_path)
+    if path.name == "README.md":
+        raw_scan(tmp_path / "scan.ply")
     code = "\n".join(blocks)
     for module in re.findall(r"(?m)^(?:import|from) ([\w.]+)", code):
         pytest.importorskip(module)  # packages of the gallery may be missing
@@ -66,6 +79,27 @@ def test_python_on_the_pages_runs(path, tmp_path, monkeypatch, capsys):
     printed = iter(capsys.readouterr().out.splitlines())
     for expected in re.findall(r"(?m)^print\(.*\)  # ([^:\n]*)", code):
         assert expected in printed  # in this order
+
+
+def test_commands_of_the_readme_run_as_written(tmp_path):
+    pytest.importorskip("plotly")  # for the page
+    raw_scan(tmp_path / "scan.ply")
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"(?s)```\n(.*?)```", readme)
+    lines = [one for block in blocks for one in block.splitlines()]
+    commands = [one for one in lines if one.startswith("remanifold ")]
+    commands += re.findall(r"`(remanifold info [^`]*)`", readme)
+    assert len(commands) == 3
+    for command in commands:
+        words = [sys.executable, "-m", *shlex.split(command)]
+        done = subprocess.run(
+            words, cwd=tmp_path, capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 0, done.stderr
+    mesh = rm.io.read_complex(tmp_path / "mesh.ply")
+    assert mesh.topology().betti_numbers == (1, 2, 1)
+    assert mesh.vertex_attributes["colors"].shape == (1505, 3)
+    assert (tmp_path / "report.html").stat().st_size > 1_000_000
 
 
 @pytest.mark.parametrize("path", PAGES, ids=lambda path: path.name)

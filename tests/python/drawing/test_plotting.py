@@ -429,6 +429,84 @@ def test_colors(torus, sparse):
     assert doubted.sum() == sparse.quality.doubtful.sum() > 0
 
 
+RGB = np.random.default_rng(5).integers(0, 256, (400, 3)).astype(np.uint8)
+
+
+@pytest.fixture(scope="module")
+def colored():
+    """With attributes of all kinds, some called as what is known of any result."""
+    return rm.reconstruct(
+        rm.datasets.torus(400, random_state=0),
+        2,
+        attributes={
+            "colors": RGB,
+            "rgba16": np.hstack([RGB, RGB[:, :1]]).astype(np.uint16) * 257,
+            "shares": RGB / 255,
+            "heat": np.arange(400),
+            "seen": np.arange(400) % 3 == 0,
+            "normals": np.random.default_rng(0).normal(size=(400, 3)),
+            "column": np.arange(400.0)[:, None],
+            "spacing": np.full(400, 7.0),
+        },
+    )
+
+
+def test_attributes_are_colors(colored):
+    for color in ("colors", "rgba16", "shares", RGB, RGB.tolist(), RGB / 255):
+        found = make_scene(colored, color=color)
+        assert found.scale is None
+        np.testing.assert_array_equal(found.surfaces[0].values, RGB / 255)
+    heat = make_scene(colored, color="heat")
+    np.testing.assert_array_equal(heat.surfaces[0].values, np.arange(400))
+    assert heat.scale.label == "heat"
+    assert make_scene(colored, color="column").scale.label == "column"
+    seen = make_scene(colored, color="seen")
+    assert seen.scale.categories == ("no", "yes")
+    assert seen.surfaces[0].values.sum() == 134
+    # As `fields` has it: what is known of the result, not what a file knew of an old one.
+    own = make_scene(colored, color="spacing").surfaces[0].values
+    np.testing.assert_array_equal(own, colored.quality.spacing)
+    plain = rm.SimplicialComplex(
+        colored.vertices, colored.simplices, vertex_attributes={"spacing": RGB}
+    )
+    values = make_scene(plain, color="spacing").surfaces[0].values
+    np.testing.assert_array_equal(values, RGB / 255)
+
+
+@pytest.mark.parametrize(
+    ("color", "message"),
+    [
+        ("normals", r"color is 'normals', .* shape \(400, 3\) and holds no colors"),
+        (np.zeros((400, 2)), r"color has shape \(400, 2\) and holds no colors"),
+        (RGB[:9], r"color has shape \(9, 3\)"),
+        ("hue", "color is 'hue', expected one of .*'doubtful', 'colors', 'rgba16'"),
+    ],
+)
+def test_what_is_no_color(colored, color, message):
+    with pytest.raises(ValueError, match=message):
+        make_scene(colored, color=color)
+
+
+def test_colors_of_solids_and_curves():
+    """Where simplices are drawn apart each corner keeps its color."""
+    ball = rm.datasets.sphere(60, random_state=0) * np.linspace(0.2, 1, 60)[:, None]
+    solid = rm.reconstruct(ball, 3)
+    apart, rim = make_scene(solid, color=RGB[:60]).surfaces
+    np.testing.assert_array_equal(
+        apart.values, (RGB[:60] / 255)[solid.simplices].reshape(-1, 3)
+    )
+    assert rim.values.shape == (len(rim.points), 3)
+    knot = rm.reconstruct(rm.datasets.trefoil(80, random_state=0), 1)
+    (lines,) = make_scene(knot, color=RGB[:80]).lines
+    np.testing.assert_array_equal(lines.values, RGB[:80] / 255)
+    drawn = knot.plot(color=RGB[:80], show=False).axes[0].collections[0]
+    middle = (RGB[:80] / 255)[knot.simplices].mean(axis=1)
+    np.testing.assert_allclose(drawn.get_colors()[:, :3], middle)
+    track = knot.plot(color=RGB[:80], backend="plotly", show=False).data[0]
+    one = "rgb({},{},{})".format(*RGB[knot.simplices[0, 0]])
+    assert track.line.color[0] == one
+
+
 def test_doubtful_samples_and_outliers_are_marked(sparse):
     marks = make_scene(sparse, show_doubtful=True).marks
     (doubtful,) = marks
@@ -479,7 +557,7 @@ def test_plot_refuses(options, error, words):
 # --- Pictures -----------------------------------------------------------------------
 
 
-def colored(path, red, green, blue, tolerance=0.14):
+def share_of(path, red, green, blue, tolerance=0.14):
     """Share of the pixels of about this color."""
     image = imread(path)[:, :, :3]
     return (abs(image - [red, green, blue]).max(axis=2) < tolerance).mean()
@@ -501,9 +579,9 @@ def test_pictures(backend, tmp_path, torus, sparse, rotations, ball):
     torus.plot(color="sampling_ratio", **options)
     assert plain.shape != imread(path).shape or (plain != imread(path)).mean() > 0.05
     sparse.plot(**options)
-    without = colored(path, 0.85, 0.1, 0.17, 0.2)
+    without = share_of(path, 0.85, 0.1, 0.17, 0.2)
     sparse.plot(show_doubtful=True, **options)
-    assert colored(path, 0.85, 0.1, 0.17, 0.2) > without + 2e-4
+    assert share_of(path, 0.85, 0.1, 0.17, 0.2) > without + 2e-4
     for rec in (rotations, ball):
         rec.plot(title="in R^9 <b> $x$", **options)
         assert drawn(path) > 0.05
@@ -536,6 +614,8 @@ def test_plotly_figures(torus, rotations):
     np.testing.assert_allclose(found, torus.vertices - middle, atol=1e-6)
     assert np.stack([mesh.i, mesh.j, mesh.k], 1).tolist() == torus.simplices.tolist()
     assert figure.layout.title.text == "&lt;b&gt;1&lt;/b&gt;"
+    own = torus.plot(backend="plotly", show=False, color=RGB).data[0]
+    np.testing.assert_array_equal(own.vertexcolor, RGB)
     label = rotations.plot(backend="plotly", show=False).layout.title.text
     assert label.startswith("Geodesic distances from 100 landmarks")
 

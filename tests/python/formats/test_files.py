@@ -560,8 +560,8 @@ def test_las(tmp_path, suffix):
     [
         (".las", 100, 2**32 - 1, "its header does not fit the file"),  # records
         (".las", 96, 2**31, "its header does not fit the file"),  # start of the points
-        (".las", 107, 2**31, "expected 2147483648 points, found 3"),
-        (".laz", None, 2**31, "it has no room for 2147483648 chunks"),
+        (".las", 107, 2**31, "expected 2,147,483,648 points, found 3"),
+        (".laz", None, 2**31, "it has no room for 2,147,483,648 chunks"),
     ],
 )
 def test_damaged_las_headers_ask_for_no_memory(tmp_path, suffix, place, value, message):

@@ -259,6 +259,45 @@ def test_pyvista_and_back(torus):
         interoperability.from_pyvista(torus.to_pyvista(), dim=3)
 
 
+RGBA = np.random.default_rng(3).integers(0, 256, (400, 4)).astype(np.uint8)
+
+
+def test_attributes_go_along(torus, open3d):  # noqa: ARG001
+    """Colors as each library shows them, without being named again."""
+    normals = torus.vertex_normals
+    known = {"colors": RGBA, "heat": np.arange(400), "normals": normals}
+    own = rm.SimplicialComplex(torus.vertices, torus.simplices, vertex_attributes=known)
+    mesh = own.to_trimesh()
+    np.testing.assert_array_equal(mesh.visual.vertex_colors, RGBA)
+    np.testing.assert_array_equal(mesh.vertex_normals, normals)
+    np.testing.assert_array_equal(mesh.vertex_attributes["heat"], np.arange(400))
+    assert {*own.to_meshio().point_data} == {*known}
+    np.testing.assert_allclose(own.to_open3d().vertex_colors, RGBA[:, :3] / 255)
+    for bare in (own.to_trimesh(None), own.to_meshio(None), own.to_open3d(None)):
+        assert len(getattr(bare, "vertex_attributes", ())) == 0
+        assert len(getattr(bare, "point_data", ())) == 0
+    assert len(own.to_open3d(None).vertex_colors) == 0
+    del mesh.vertex_attributes["colors"]
+    back = interoperability.from_trimesh(mesh).vertex_attributes
+    np.testing.assert_array_equal(back["colors"], RGBA)
+    wide = rm.SimplicialComplex(
+        torus.vertices,
+        torus.simplices,
+        vertex_attributes={"colors": RGBA[:, :3].astype(np.uint16) * 256},
+    )
+    np.testing.assert_array_equal(
+        wide.to_trimesh().visual.vertex_colors[:, :3], RGBA[:, :3]
+    )
+    np.testing.assert_allclose(wide.to_open3d().vertex_colors, RGBA[:, :3] / 255)
+    pytest.importorskip("pyvista")
+    data = wide.to_pyvista().point_data
+    assert data["colors"].dtype == np.uint8
+    np.testing.assert_array_equal(data["colors"], RGBA[:, :3])
+    assert len(wide.to_pyvista(None).point_data) == 0
+    with pytest.raises(ValueError, match="fields is 'all', expected one of 'auto'"):
+        own.to_pyvista("all")
+
+
 def test_networkx_and_back(torus):
     knot = rm.reconstruct(rm.datasets.trefoil(60, random_state=0), 1)
     back = interoperability.from_networkx(knot.to_networkx())

@@ -10,6 +10,7 @@ import stat
 import struct
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 
 import meshio
@@ -511,18 +512,24 @@ def test_every_truncation_is_noticed_or_harmless(tmp_path, suffix):
         write_mesh(whole, points, TRIANGLES)
     data = whole.read_bytes()
     cut = tmp_path / f"cut{suffix}"
-    errors = 0
+    errors = told = 0
     for size in range(0, len(data) - 1, 7):
         cut.write_bytes(data[:size])
         try:
-            found = read_points(cut)
+            with warnings.catch_warnings(record=True) as caught:
+                warnings.simplefilter("always", rm.FileWarning)
+                found = read_points(cut)
         except ValueError as error:
             assert str(cut) in str(error)  # noqa: PT017
             errors += 1
         else:
             # A text file may end within its very last digits.
             np.testing.assert_allclose(found, points, rtol=1.0)
+            assert all(str(cut) in str(w.message) for w in caught)
+            told += len(caught)
     assert errors > 0
+    # All points are there, and less of the triangles than the header says.
+    assert (told > 0) == (suffix == ".ply")
 
 
 # ------------------------------------------------------------- paths, refusals

@@ -611,3 +611,48 @@ def test_points_with_colors_in_all_formats_that_hold_them(tmp_path):
         points, attributes = read(path)
         assert points.tobytes() == POINTS.tobytes(), suffix
         np.testing.assert_array_equal(attributes["colors"][:, :3], FIELDS["colors"])
+
+
+# ---------------------------------------------------- counts that are less than what is there
+
+HEAD = (
+    "ply\nformat {}\nelement vertex {}\nproperty float x\nproperty float y\n"
+    "property float z\nelement face {}\nproperty list uchar int vertex_indices\n"
+    "end_header\n"
+)
+CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 1]], dtype="f4")
+POLYGONS = ([0, 1, 2], [1, 2, 3], [0, 1, 3, 2])
+
+
+def ply(encoding, vertices, faces):
+    head = HEAD.format(encoding, vertices, faces).encode()
+    if encoding.startswith("ascii"):
+        rows = [*CORNERS.tolist(), *([len(p), *p] for p in POLYGONS)]
+        return head + "\n".join(" ".join(map(str, row)) for row in rows).encode()
+    order = "<" if "little" in encoding else ">"
+    body = CORNERS.astype(order + "f4").tobytes()
+    for polygon in POLYGONS:
+        body += bytes([len(polygon)]) + np.array(polygon, order + "i4").tobytes()
+    return head + body
+
+
+@pytest.mark.parametrize("read", [rm.io.read_points, rm.io.read_complex])
+@pytest.mark.parametrize(
+    "encoding", ["ascii 1.0", "binary_little_endian 1.0", "binary_big_endian 1.0"]
+)
+def test_ply_with_more_than_its_header_says(tmp_path, encoding, read):
+    path = tmp_path / "a.ply"
+    path.write_bytes(ply(encoding, 4, 3) + b"\r\n\r\n")
+    read(path)  # and no warning
+    path.write_bytes(ply(encoding, 4, 2))
+    words = r"a\.ply: holds \d+ (line|bytes?)s? more than its header tells of \(4 of "
+    with pytest.warns(rm.FileWarning, match=words):
+        read(path)
+    # Then what follows the vertices is no such thing as the header says.
+    path.write_bytes(ply(encoding, 3, 3))
+    if read is rm.io.read_points:
+        with pytest.warns(rm.FileWarning, match=r"header tells of \(3 of 'vertex'"):
+            assert len(read(path)) == 3
+    else:
+        with pytest.raises((ValueError, rm.FileWarning)):
+            read(path)

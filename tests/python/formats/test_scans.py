@@ -120,6 +120,19 @@ def test_pcd(tmp_path, kind):
     assert read_points(path, columns="x,label").shape == (30, 2)
 
 
+@pytest.mark.parametrize("kind", ["ascii", "binary", "binary_compressed"])
+def test_pcd_with_more_than_its_header_says(tmp_path, kind):
+    data = pcd(kind)
+    few = data.replace(b"WIDTH 30", b"WIDTH 20").replace(b"POINTS 30", b"POINTS 20")
+    more = {"ascii": few, "binary": few, "binary_compressed": data + b"more"}[kind]
+    with pytest.warns(rm.FileWarning, match="more .*its header tells of") as caught:
+        found = read_points(put(tmp_path / "a.pcd", more))
+    assert len(found) == (30 if kind == "binary_compressed" else 20)
+    assert "WIDTH" in str(caught[0].message)
+    # Some programs fill up the last block.
+    assert len(read_points(put(tmp_path / "a.pcd", data + b"\n\0\0\0"))) == 30
+
+
 def test_repeats_that_go_on_into_themselves():
     for data in (b"ab" * 300, b"\0" * 1000, bytes(range(250)) * 3, RNG.bytes(400)):
         packed = lzf(data)
@@ -140,7 +153,11 @@ def test_pcd_of_an_image_with_pixels_that_saw_nothing(tmp_path):
         (b"SIZE 4 4 4 1 4 4 2", b"SIZE 4 4 4 1 4 4 3", "which is none of PCD's"),
         (b"SIZE 4 4 4 1 4 4 2", b"SIZE 4 4 4 1 4 4", "differ in length"),
         (b"POINTS 30", b"POINTS 31", "is truncated: expected 31 points, found 30"),
-        (b"POINTS 30", b"POINTS 99999999999", "is truncated: expected 99999999999 po"),
+        (
+            b"POINTS 30",
+            b"POINTS 99999999999",
+            "is truncated: expected 99,999,999,999 po",
+        ),
         (b"HEIGHT 1", b"HEIGHT 2", "has 30 points in an image of 30 by 2"),
         (b"FIELDS x y z", b"FIELDS a b c", "no columns are called x, y, z"),
     ],
@@ -233,6 +250,40 @@ def test_a_molecule(tmp_path):
     ):
         with pytest.raises(ValueError, match=message):
             read_points(put(tmp_path / "c.xyz", text.replace(old, new, 1)))
+
+
+def test_what_stands_behind_the_atoms(tmp_path):
+    rows = ["C 0 0 0.5 -0.25 CA", "O 1 0 0.5 0.5 OB", "H 0 1 0.5 0 CA"]
+    path = put(tmp_path / "a.xyz", "\n".join(["3", "", *rows]))
+    points, attributes = read(path)
+    assert points.tolist() == [[0, 0, 0.5], [1, 0, 0.5], [0, 1, 0.5]]
+    assert attributes["atomic_number"].tolist() == [6, 8, 1]
+    assert attributes["column_4"].tolist() == [-0.25, 0.5, 0]
+    assert attributes["column_5"].tolist() == [0, 1, 0]  # CA, OB
+
+
+def test_a_molecule_in_extended_xyz(tmp_path):
+    """Its comment says which columns are what, in any order."""
+    comment = 'Lattice="9 0 0 0 9 0 0 0 9" Properties=species:S:1:id:I:1:pos:R:3:'
+    comment += "forces:R:3:fixed:L:1:kind:S:1 energy=-1.5"
+    rows = [
+        "C 7 0 0 0.5 1 2 3 T ring",
+        "O 8 1 0 0.5 4 5 6 F tail",
+        "H 9 0 1 0.5 7 8 9 F ring",
+    ]
+    path = put(tmp_path / "a.xyz", "\n".join(["3", comment, *rows]))
+    points, attributes = read(path)
+    assert points.tolist() == [[0, 0, 0.5], [1, 0, 0.5], [0, 1, 0.5]]
+    assert attributes["atomic_number"].tolist() == [6, 8, 1]
+    assert attributes["id"].tolist() == [7, 8, 9]
+    assert attributes["id"].dtype == np.int64
+    assert attributes["forces"].tolist() == [[1, 2, 3], [4, 5, 6], [7, 8, 9]]
+    assert attributes["fixed"].tolist() == [True, False, False]
+    assert attributes["kind"].tolist() == [0, 1, 0]
+    assert [*attributes] == ["atomic_number", "id", "forces", "fixed", "kind"]
+    short = put(tmp_path / "b.xyz", path.read_text().replace(" F tail", ""))
+    with pytest.raises(ValueError, match="line 4: expected 10 columns as 'Properties'"):
+        read(short)
 
 
 def test_a_grid_of_heights(tmp_path):

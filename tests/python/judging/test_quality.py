@@ -187,6 +187,12 @@ def test_singular_places_are_those_that_a_search_of_their_own_finds():
     marked = {int(i) for place in found.places for i in place.samples}
     assert marked
     assert q.reasons[0].text == found.verdict
+    count = len(q.reasons[0].samples)
+    said = str(q.reasons[0])
+    assert max(map(len, said.splitlines())) <= 88
+    one = " ".join(said.split())
+    assert one.startswith(f"{q.reasons[0].kind}: {' '.join(q.reasons[0].text.split())}")
+    assert f"samples={count}, kind=" in repr(q.reasons[0])
     assert set(q.reasons[0].samples.tolist()) == marked
     assert set(np.flatnonzero(q.doubtful[300:])) == set(
         np.flatnonzero(q.doubtful[:300])

@@ -281,8 +281,25 @@ def test_names_say_what_a_file_is(tmp_path):
     with pytest.raises(ValueError, match=r"saved as \.rm\.npz"):
         rec.save(tmp_path / "a.npz")
     with pytest.raises(ValueError, match=r"rec\.save\(\)"):
-        rec.write(tmp_path / "a.rm.npz")
+        rm.io.write_mesh(tmp_path / "a.rm.npz", rec.vertices, rec.simplices)
     assert not [*tmp_path.iterdir()]
+
+
+def test_writing_a_result_by_the_name_of_one_saves_it(tmp_path):
+    rec = rm.reconstruct(rm.datasets.circle(50, random_state=0), 1)
+    rec.write(tmp_path / "a.rm.npz")
+    rec.save(tmp_path / "b.rm.npz")
+    data = (tmp_path / "a.rm.npz").read_bytes()
+    assert data == (tmp_path / "b.rm.npz").read_bytes()
+    assert "quality" not in vars(rm.load(tmp_path / "a.rm.npz"))
+    rec.write(tmp_path / "c.rm.npz", "all")
+    assert "quality" in vars(rm.load(tmp_path / "c.rm.npz"))
+    with pytest.raises(ValueError, match="holds everything; fields is for meshes"):
+        rec.write(tmp_path / "d.rm.npz", {"heat": np.ones(50)})
+    for name, words in (("d.html", r"rec\.report\(\)"), ("d.png", "screenshot")):
+        with pytest.raises(ValueError, match=f"{words}.*a mesh is one of .ply"):
+            rec.write(tmp_path / name)
+    assert len([*tmp_path.iterdir()]) == 3
 
 
 def test_saved_results_are_meshes_and_samples_to_others(tmp_path):
