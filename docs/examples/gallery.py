@@ -16,7 +16,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 
-from drawing import ALARM_COLOR, SAMPLE_COLOR, draw_simplices, project, save
+from drawing import ALARM_COLOR, MESH_COLOR, SAMPLE_COLOR, draw_simplices, project, save
 
 PAGES = Path(__file__).resolve().parents[1] / "gallery"
 GRAY = "#b8b8b8"
@@ -306,32 +306,33 @@ def outline(axes, curve, color):
 
 
 def map_of_shapes(page):
-    chart = page["atlas"].charts[0]
+    chart, places, curves = page["chart"], page["places"], page["drawn"]
     rows = np.searchsorted(chart.vertices, page["rec"].simplices[chart.simplices])
-    picture, axes = plt.subplots(figsize=(9, 4.6), layout="constrained")
-    axes.triplot(*chart.coordinates.T, rows, color=GRAY, linewidth=0.3)
-    places, curves = page["places"], page["drawn"]
-    step = 0.36 * page["step"]
-    size = step / abs(curves).max()
+    picture, axes = plt.subplots(figsize=(9, 3.2), layout="constrained")
+    axes.triplot(*page["lengthwise"].T, rows, color=GRAY, linewidth=0.3)
+    size = 0.4 * 0.03 / abs(curves).max()
     for place, curve in zip(places, curves, strict=True):
         outline(axes, curve * size + complex(*place), SAMPLE_COLOR)
-    here = page["there"].coordinates[0]
+    here = (page["there"].coordinates[0] - page["middle"]) @ page["axes"].T
     outline(axes, page["new"][0] * size + complex(*here), ALARM_COLOR)
     axes.autoscale_view()
-    plain(axes, "one chart; red: an outline that was no sample, at its place")
+    plain(axes, "one of two maps; red: an outline that was no sample, at its place")
     return picture
 
 
 def scan_for_the_web(page):
     nose, coarse, flat = page["nose"], page["coarse"], page["flat"]
-    labels, palette = page["atlas"].labels, plt.colormaps["Set2"](np.arange(8))[:, :3]
+    labels = page["atlas"].labels
+    # The largest chart has the color of all meshes.
+    rank = np.argsort(np.argsort(-np.bincount(labels), kind="stable"))
+    palette = np.vstack([MESH_COLOR, plt.colormaps["Set2"](np.arange(8))[:, :3]])[rank]
     picture, axes = plt.subplots(
         1, 3, figsize=(9, 4.2), width_ratios=(1, 1, 1.35), layout="constrained"
     )
     upright = (-78.0, -8.0)
     for place, complex_, colors in (
         (axes[0], nose, None),
-        (axes[1], coarse, palette[labels % 8]),
+        (axes[1], coarse, palette[labels]),
     ):
         seen = complex_.vertices[:, [0, 2, 1]] * [1.0, -1.0, 1.0]
         draw_simplices(
@@ -339,23 +340,16 @@ def scan_for_the_web(page):
         )
         place.set_title(f"{len(complex_.simplices):,} triangles", fontsize=9)
     uv = flat.vertex_attributes["uv"]
-    chart_of = {
-        tuple(row): label
-        for row, label in zip(
-            np.sort(coarse.simplices, axis=1).tolist(), labels.tolist(), strict=True
-        )
-    }
-    corners = flat.vertex_attributes["vertex"][flat.simplices]
-    own = [chart_of[tuple(row)] for row in np.sort(corners, axis=1).tolist()]
+    own = flat.vertex_attributes["chart"][flat.simplices[:, 0]]
     axes[2].add_collection(
         PolyCollection(
             uv[flat.simplices],
-            facecolors=palette[np.array(own) % 8],
+            facecolors=palette[own],
             edgecolors="#555555",
             linewidths=0.15,
         )
     )
-    axes[2].autoscale_view()
+    axes[2].set(xlim=(0, 1), ylim=(0, 1))
     plain(axes[2], f"{len(page['atlas'])} charts, side by side")
     return picture
 

@@ -394,6 +394,8 @@ def _verdict(
     of = count_of(found.num_samples, "sample")
     if not reasons:
         ratio = found.quantile(found.ratio, 0.95)
+        if ratio == 0:  # a region of R^K does not bend
+            return f"sampling is dense enough: nothing bends around {of}"
         return (
             f"sampling is dense enough: the spacing is at most {ratio:.2g} times the "
             f"reach at 95 % of {of}"

@@ -19,7 +19,7 @@
   "use strict";
   const place = document.getElementById("picture");
   const read = (name) => JSON.parse(document.getElementById(name).textContent);
-  const { data, layout, looks } = read("figure");
+  const { views, layout } = read("figure");
   const canvas = document.createElement("canvas");
   if (!window.Plotly || !(canvas.getContext("webgl2") || canvas.getContext("webgl"))) {
     place.textContent = "This browser cannot draw in three dimensions (no WebGL).";
@@ -37,10 +37,13 @@
   const buttons = [["toImage", "zoom3d", "pan3d", "orbitRotation", "resetCameraDefault3d"]];
   const config = { responsive: true, displaylogo: false, modeBarButtons: buttons };
   let chosen = 0;
+  let seen = 0;
   const draw = () => {
     place.dataset.drawn = "no";
     inColorsOfThePage();
+    const { data, looks, caption } = views[seen];
     const look = looks[chosen];
+    document.getElementById("caption").textContent = caption;
     const shown = data.map((trace, i) => ({ ...trace, ...(look.traces[i] || {}) }));
     // Anew: an update would keep the colors that the plain picture lacks. The layout
     // is the one at hand, and with it the camera.
@@ -54,6 +57,10 @@
   const chooser = document.getElementById("color");
   if (chooser) {
     chooser.addEventListener("change", () => { chosen = chooser.selectedIndex; draw(); });
+  }
+  const turner = document.getElementById("view");
+  if (turner) {
+    turner.addEventListener("change", () => { seen = turner.selectedIndex; draw(); });
   }
   dark.addEventListener("change", draw);
   draw();

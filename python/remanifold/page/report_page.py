@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from remanifold.complex.embedding import Embedding
+    from remanifold.drawing.scene import Style
 
 SUFFIXES = (".html", ".htm")
 MOST_SHOWN = 40_000  # simplices that a phone still turns
@@ -176,7 +177,48 @@ def _resource(name: str) -> str:
 def _picture(rec: JudgedReconstruction) -> str:
     """The complex as it can be turned, the ways to color it, and what is not shown."""
     placed = embed(rec)
-    figure, caption = _figure(rec, placed, None)
+    # Tetrahedra hide each other: one way shows how they lie, the other where they end.
+    styles = {"cut": "cut open", "auto": "tetrahedra apart"} if rec.dim == 3 else {}
+    views = [
+        _view(rec, placed, style, name)
+        for style, name in (styles or {"auto": "all"}).items()
+    ]
+    layout, caption = views[0].pop("layout"), views[0]["caption"]
+    for view in views[1:]:
+        del view["layout"]
+    chooser = _chooser("color", "Color", [look["name"] for look in views[0]["looks"]])
+    if len(views) > 1:
+        chooser += _chooser("view", "View", [view["name"] for view in views])
+    content = json.dumps({"views": views, "layout": layout})
+    what = f"Interactive picture of the complex. {caption}"
+    return (
+        '<section aria-labelledby="picture-of-it">\n'
+        '<h2 id="picture-of-it">The complex</h2>\n'
+        f'<div class="controls">{chooser}</div>\n'
+        '<figure class="picture">\n'
+        f'<div id="picture" role="img" aria-label="{text(what)}"></div>\n'
+        f'<figcaption id="caption">{text(caption)}</figcaption>\n'
+        "<noscript><p>The picture needs JavaScript.</p></noscript>\n"
+        "</figure>\n"
+        f"{parts.mesh(rec)}\n"
+        f'<script type="application/json" id="figure">{json_text(content)}</script>\n'
+        "</section>"
+    )
+
+
+def _chooser(name: str, label: str, words: list[str]) -> str:
+    options = "".join(f"<option>{text(word)}</option>" for word in words)
+    return (
+        f'<span class="chooser"><label for="{name}">{label}</label>\n'
+        f'<select id="{name}">{options}</select></span>\n'
+    )
+
+
+def _view(
+    rec: JudgedReconstruction, placed: Embedding, style: Style, name: str
+) -> dict[str, Any]:
+    """What is drawn, in its colors, and what to say of it."""
+    figure, said = _figure(rec, placed, None, style)
     looks: list[dict[str, Any]] = [{"name": "plain", "traces": {}}]
     for color in COLORS:
         if (color == "quality" and rec.dim < 2) or len(rec.simplices) == 0:
@@ -185,33 +227,13 @@ def _picture(rec: JudgedReconstruction) -> str:
             continue
         if color == "doubtful" and rec.quality.ok:
             continue
-        looks.append(
-            {"name": _words(color), "traces": _changes(rec, placed, color, figure)}
-        )
-    for name, values in _attributes(rec):
-        changes = _changes(rec, placed, values, figure)
-        looks.append({"name": name, "traces": changes})
-    options = "".join(f"<option>{text(look['name'])}</option>" for look in looks)
-    chooser = (
-        '<div class="controls"><label for="color">Color</label>'
-        f'<select id="color">{options}</select></div>'
-    )
-    content = json.dumps({**figure, "looks": looks})
-    what = f"Interactive picture of the complex. {' '.join(caption)}"
-    note = ". ".join([*caption, "Drag to turn, scroll or pinch to come closer"])
-    return (
-        '<section aria-labelledby="picture-of-it">\n'
-        '<h2 id="picture-of-it">The complex</h2>\n'
-        f"{chooser}\n"
-        '<figure class="picture">\n'
-        f'<div id="picture" role="img" aria-label="{text(what)}"></div>\n'
-        f"<figcaption>{text(note)}.</figcaption>\n"
-        "<noscript><p>The picture needs JavaScript.</p></noscript>\n"
-        "</figure>\n"
-        f"{parts.mesh(rec)}\n"
-        f'<script type="application/json" id="figure">{json_text(content)}</script>\n'
-        "</section>"
-    )
+        changes = _changes(rec, placed, color, style, figure)
+        looks.append({"name": _words(color), "traces": changes})
+    for attribute, values in _attributes(rec):
+        changes = _changes(rec, placed, values, style, figure)
+        looks.append({"name": attribute, "traces": changes})
+    caption = ". ".join([*said, "Drag to turn, scroll or pinch to come closer."])
+    return {"name": name, "caption": caption, "looks": looks, **figure}
 
 
 def _attributes(
@@ -237,12 +259,13 @@ def _figure(
     rec: JudgedReconstruction,
     placed: Embedding,
     color: str | NDArray[Any] | None,
+    style: Style,
 ) -> tuple[dict[str, Any], list[str]]:
     """What plotly.js draws, and how it was embedded and coarsened."""
     scene = scene_of(
         rec,
         color=color,
-        style="auto",
+        style=style,
         placed=placed,
         show_samples=False,
         show_doubtful=True,
@@ -257,10 +280,11 @@ def _changes(
     rec: JudgedReconstruction,
     placed: Embedding,
     color: str | NDArray[Any],
+    style: Style,
     plain: dict[str, Any],
 ) -> dict[str, dict[str, Any]]:
     """What a coloring has other than the plain picture, by trace."""
-    colored, _ = _figure(rec, placed, color)
+    colored, _ = _figure(rec, placed, color, style)
     changes = {}
     for i, (new, old) in enumerate(zip(colored["data"], plain["data"], strict=True)):
         different = {key: new[key] for key in new if new[key] != old.get(key)}

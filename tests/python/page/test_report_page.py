@@ -3,6 +3,7 @@
 
 import html
 import io
+import itertools
 import json
 import os
 import re
@@ -242,11 +243,16 @@ def test_meshes_that_are_too_large_are_not(torus, tmp_path, monkeypatch):
 
 def test_attributes_are_colors(tmp_path):
     points = rm.datasets.torus(300, random_state=0)
-    known = {"<b>heat": points[:, 0], "colors": np.ones((300, 3))}
+    known = {
+        "<b>heat": points[:, 0],
+        "colors": np.ones((300, 3)),
+        "normals": points,
+    }
     rec = rm.reconstruct(points, 2, attributes=known)
     page = Page(write(rec, tmp_path).read_text(encoding="utf-8"))
     assert "<b>heat" in page.of("option")
-    assert "colors" not in page.of("option")
+    assert "colors" in page.of("option")
+    assert "normals" not in page.of("option")
 
 
 def test_text_of_the_user_is_text(torus, tmp_path):
@@ -504,6 +510,45 @@ def test_colors_can_be_chosen_and_the_camera_stays(browser, sparse, tmp_path):
     choose_and_wait(0)
     again = pixels(browser)
     assert (abs(again - plain).max(axis=2) > 40).mean() < 0.02
+
+
+def test_solids_are_seen_from_inside(browser, recs, tmp_path):
+    """Cut open and apart, in the color and with the caption of each."""
+    ball = rm.datasets.sphere(300, random_state=0)
+    ball *= np.random.default_rng(0).random(300)[:, None] ** (1 / 3)
+    heights = np.arange(300.0)
+    solid = rm.reconstruct(ball, 3, attributes={"height": heights})
+    show(browser, write(solid, tmp_path))
+    seen = {}
+    for view in ("cut open", "tetrahedra apart"):
+        for color in ("plain", "height"):
+            for name, word in (("view", view), ("color", color)):
+                browser.evaluate(
+                    f"(() => {{ const e = document.getElementById('{name}');"
+                    f"e.value = '{word}'; e.dispatchEvent(new Event('change')) }})()"
+                )
+                browser.wait_for(
+                    "document.getElementById('picture').dataset.drawn === 'yes'"
+                )
+            seen[view, color] = pixels(browser)
+        caption = browser.evaluate("document.getElementById('caption').textContent")
+        half = f"{(len(solid.simplices) + 1) // 2:,} of {len(solid.simplices):,}"
+        assert caption.startswith("Cut: shown are " + half) == (view == "cut open")
+    for one, other in itertools.combinations(seen.values(), 2):
+        assert (abs(one - other).max(axis=2) > 30).mean() > 0.01
+    browser.resize(375, 740, mobile=True)
+    browser.wait_for("window.innerWidth === 375")
+    assert browser.evaluate(WIDE) <= 375
+    # A label stands beside what it is the label of.
+    for name in ("color", "view"):
+        apart = browser.evaluate(
+            f"document.querySelector('label[for={name}]').getBoundingClientRect().top"
+            f" - document.getElementById('{name}').getBoundingClientRect().top"
+        )
+        assert abs(apart) < 12
+    # Whatever has no inside has no other view.
+    write(recs["torus"], tmp_path)
+    assert 'id="view"' not in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
 def test_dark_pages_are_dark(browser, torus, tmp_path):
