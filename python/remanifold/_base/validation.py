@@ -439,6 +439,16 @@ def _check_mask(values: Any, name: str, size: int) -> NDArray[np.bool_]:
     return np.ascontiguousarray(array)
 
 
+def _first_other(array: NDArray[Any]) -> tuple[list[int], object]:
+    """Where an array of objects holds something that is no number, and what."""
+    for place in np.ndindex(array.shape):
+        try:
+            float(array[place])
+        except (TypeError, ValueError):
+            return [*place], array[place]
+    return [0] * array.ndim, array.flat[0]
+
+
 def _as_float(values: Any, name: str) -> NDArray[np.float64]:
     """Wider floats beyond float64 become infinite, which is for the caller to refuse."""
     array = _as_array(values, name)
@@ -447,8 +457,8 @@ def _as_float(values: Any, name: str) -> NDArray[np.float64]:
             try:
                 array = array.astype(np.float64)
             except (TypeError, ValueError):
-                kind = type(values).__name__
-                msg = f"{name} must hold numbers, got {kind} of objects"
+                place, entry = _first_other(array)
+                msg = f"{name} must hold numbers, {name}{place} is {entry!r}"
                 raise TypeError(msg) from None
             except OverflowError:
                 msg = f"{name} has an integer that no float64 can hold"
@@ -457,6 +467,11 @@ def _as_float(values: Any, name: str) -> NDArray[np.float64]:
             return np.ascontiguousarray(array, dtype=np.complex128).view(np.float64)
         if array.dtype.kind not in "biuf":
             msg = f"{name} must hold numbers, got dtype {array.dtype}"
+            if array.ndim == 0 and array.dtype.kind == "U":
+                msg = (
+                    f"{name} must hold numbers, got {str(array)[:60]!r}; rm.io.read() "
+                    "reads a file"
+                )
             raise TypeError(msg)
         return array.astype(np.float64, copy=False)
 

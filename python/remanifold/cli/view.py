@@ -23,6 +23,7 @@ COLORS = ("component", "boundary", "quality")
 EPILOG = examples(
     "remanifold view mesh.ply",
     "remanifold view mesh.npz --color component --screenshot mesh.png",
+    "remanifold view colored.ply --color colors",
 )
 
 
@@ -43,8 +44,11 @@ def view(
     ] = None,
     color: Annotated[
         str | None,
-        choice(
-            COLORS, "Color by component, boundary or shape of the simplices.", "one"
+        typer.Option(
+            metavar="NAME",
+            show_default="one",
+            help="Color by component, boundary, quality (shape of the simplices), or by "
+            "a field of the file: numbers, or colors.",
         ),
     ] = None,
     style: Annotated[
@@ -58,6 +62,10 @@ def view(
     """
     with failures(messages_console()):
         complex = rm.io.read_complex(source)
+        known = (*COLORS, *complex.vertex_attributes)
+        if color is not None and color not in known:
+            msg = f"{color!r} is not one of {', '.join(map(repr, known))}."
+            raise typer.BadParameter(msg, param_hint="'--color'")
         if screenshot is not None and screenshot.suffix.lower() in (".html", ".htm"):
             backend = "plotly"
         if screenshot is None and backend != "plotly" and not has_display():

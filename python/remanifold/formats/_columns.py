@@ -98,7 +98,10 @@ _NUMBERED = re.compile(r"^(.*?)[ _.:\[(-]*(\d+)[\])]?$")
 _COORDINATE_STEMS = re.compile(rf"^(?:x|{_STEM}|dim(?:ension)?|axis)$")
 _MADE_UP = re.compile(r"^(?:v|col|column|field|var|c|unnamed)?$")
 _PLACES = (
-    (("easting", "east", "utm_e", "x_utm"), ("northing", "north", "utm_n", "y_utm")),
+    (
+        ("easting", "east", "utm_e", "x_utm", "rechtswert", "ostwert"),
+        ("northing", "north", "utm_n", "y_utm", "hochwert", "nordwert"),
+    ),
     (("lon", "long", "longitude", "lng"), ("lat", "latitude")),
 )
 _HEIGHTS = (
@@ -113,6 +116,8 @@ _HEIGHTS = (
         "h",
         "hgt",
         "depth",
+        "höhe",
+        "hoehe",
     ),
 )
 # Formats of points in space, whatever their columns are called.

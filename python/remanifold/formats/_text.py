@@ -248,9 +248,11 @@ def _careful(
     # With names there may be one column more, which counts the rows.
     named = None if layout.names is None else len(layout.names)
     most = 1 if named is None else named + 1
+    if named == width > 1 and not (layout.names or [""])[-1]:
+        most = named - 1  # the names end by a separator too
     if width > most and not any(row[-1] for row in rows):
         width -= 1  # a separator at the end of each line
-    if named is not None and width > most:
+    if named is not None and width > max(most, named):
         what = f"expected {named} numbers, as many as names, found {width}"
         source.fail(what, line=at[0])
     columns = [_column(source, rows, at, i, layout) for i in range(width)]

@@ -483,6 +483,8 @@ def check_fields(
     """Check names and shapes of values at the vertices."""
     if fields is None:
         return {}
+    if not isinstance(fields, Mapping) and hasattr(fields, "columns"):
+        fields = {name: fields[name] for name in fields.columns}  # a data frame
     if not isinstance(fields, Mapping):
         msg = f"{called} must map names to arrays, got {type(fields).__name__}"
         raise TypeError(msg)

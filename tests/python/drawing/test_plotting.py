@@ -473,6 +473,29 @@ def test_attributes_are_colors(colored):
     np.testing.assert_array_equal(values, RGB / 255)
 
 
+def test_a_solid_cut_open():
+    ball = rm.datasets.sphere(300, random_state=0)
+    ball *= np.random.default_rng(0).random(300)[:, None] ** (1 / 3)
+    solid = rm.reconstruct(ball, 3)
+    found = make_scene(solid, style="cut", color=ball[:, 0])
+    cut, rest = found.surfaces
+    half = (len(solid.simplices) + 1) // 2
+    assert found.caption == [
+        f"Cut: shown are {half:,} of {len(solid.simplices):,} tetrahedra, those behind a plane"
+    ]
+    # Both halves together are bounded by the boundary and, on either side, by the cut.
+    rim = len(scene.open_faces(solid.simplices))
+    shared = (len(cut.triangles) + len(rest.triangles) - rim) / 2
+    assert shared == int(shared) > 20
+    assert cut.opacity == 1 > rest.opacity
+    assert {*cut.values.tolist()} <= {*ball[:, 0].tolist()}
+    # What is left lies behind.
+    behind, before = (
+        s.points[s.triangles].mean(axis=1) @ scene.TOWARDS for s in (cut, rest)
+    )
+    assert behind.mean() + 0.5 < before.mean()
+
+
 @pytest.mark.parametrize(
     ("color", "message"),
     [
@@ -761,6 +784,15 @@ def test_view_says_what_is_wrong(tmp_path, mesh_file):
         assert words in done.output
         assert "Traceback" not in done.output
     assert view(mesh_file, "--color", "red").exit_code == 2
+    colored = tmp_path / "colored.ply"
+    mesh = rm.io.read_complex(mesh_file)
+    heat = {"heat": mesh.vertices[:, 0]}
+    rm.SimplicialComplex(mesh.vertices, mesh.simplices, vertex_attributes=heat).write(
+        colored
+    )
+    done = view(colored, "--color", "heat", "--screenshot", tmp_path / "heat.html")
+    assert done.exit_code == 0
+    assert "'heat'" in view(colored, "--color", "red").output
 
 
 def test_captions_hold_no_numbers_but_those_of_the_scene(rotations):

@@ -401,3 +401,21 @@ def test_a_comment_after_the_names_is_no_name(tmp_path):
 def test_a_separator_at_the_end_of_each_line_is_no_column(tmp_path):
     path = put(tmp_path / "a.csv", "1,2,3,\n4,5,6,\n7,8,9,\n")
     assert read_points(path).shape == (3, 3)
+
+
+def test_a_separator_at_the_end_of_names_and_rows(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text("x,y,z,\n" + "1.5,2,3,\n" * 3)
+    points, attributes = rm.io.read(path)
+    assert points.tolist() == [[1.5, 2, 3]] * 3
+    assert attributes == {}
+    path.write_text("x,y,z,\n1.5,2,3,\n1.5,2,3,7\n")  # something does stand there
+    assert [*rm.io.read(path).attributes] == ["column_3"]
+
+
+def test_coordinates_of_german_surveys(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text("Nr;Rechtswert;Hochwert;H\u00f6he\n1;3,5;5,5;0,5\n2;4,5;6,5;1,5\n")
+    points, attributes = rm.io.read(path)
+    assert points.tolist() == [[3.5, 5.5, 0.5], [4.5, 6.5, 1.5]]
+    assert [*attributes] == ["Nr"]

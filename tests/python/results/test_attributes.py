@@ -114,6 +114,21 @@ def test_attributes_that_do_not_fit(given, error, message):
 # ------------------------------------------------------------- samples that are none
 
 
+def test_a_data_frame_gives_its_columns():
+    pandas = pytest.importorskip("pandas")
+    points = rm.datasets.circle(50, random_state=0)
+    frame = pandas.DataFrame({"x": points[:, 0], "y": points[:, 1], "heat": range(50)})
+    rec = rm.reconstruct(frame[["x", "y"]], 1, attributes=frame[["heat"]])
+    assert rec.vertex_attributes["heat"].tolist() == [*range(50)]
+    frame["word"] = "a"
+    with pytest.raises(
+        TypeError, match=r"points must hold numbers, points\[0, 3\] is 'a'"
+    ):
+        rm.reconstruct(frame, 1)
+    with pytest.raises(TypeError, match=r"got 'a\.csv'; rm\.io\.read\(\) reads a file"):
+        rm.reconstruct("a.csv", 1)
+
+
 def test_invalid_samples_are_an_error_unless_they_may_go(depth):
     with pytest.raises(
         ValueError,
