@@ -9,7 +9,9 @@ printed.
 """
 
 import argparse
+import os
 import re
+import tempfile
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -27,7 +29,13 @@ def run_page(name):
     path = PAGES / f"{name}.md"
     blocks = re.findall(r"(?s)```python\n(.*?)```", path.read_text(encoding="utf-8"))
     variables = {}
-    exec(compile("\n".join(blocks), str(path), "exec"), variables)  # noqa: S102
+    here = Path.cwd()
+    with tempfile.TemporaryDirectory() as folder:  # some pages write files
+        os.chdir(folder)
+        try:
+            exec(compile("\n".join(blocks), str(path), "exec"), variables)  # noqa: S102
+        finally:
+            os.chdir(here)
     return variables
 
 

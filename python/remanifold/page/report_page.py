@@ -178,11 +178,10 @@ def _picture(rec: JudgedReconstruction) -> str:
     """The complex as it can be turned, the ways to color it, and what is not shown."""
     placed = embed(rec)
     # Tetrahedra hide each other: one way shows how they lie, the other where they end.
-    styles = {"cut": "cut open", "auto": "tetrahedra apart"} if rec.dim == 3 else {}
-    views = [
-        _view(rec, placed, style, name)
-        for style, name in (styles or {"auto": "all"}).items()
-    ]
+    styles: dict[Style, str] = {"auto": "all"}
+    if rec.dim == 3:
+        styles = {"cut": "cut open", "auto": "tetrahedra apart"}
+    views = [_view(rec, placed, style, name) for style, name in styles.items()]
     layout, caption = views[0].pop("layout"), views[0]["caption"]
     for view in views[1:]:
         del view["layout"]

@@ -85,9 +85,7 @@ def test_commands_of_the_readme_run_as_written(tmp_path):
     pytest.importorskip("plotly")  # for the page
     raw_scan(tmp_path / "scan.ply")
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    blocks = re.findall(r"(?s)```\n(.*?)```", readme)
-    lines = [one for block in blocks for one in block.splitlines()]
-    commands = [one for one in lines if one.startswith("remanifold ")]
+    commands = re.findall(r"(?m)^(remanifold \w+ .*)$", readme)
     commands += re.findall(r"`(remanifold info [^`]*)`", readme)
     assert len(commands) == 3
     for command in commands:

