@@ -142,4 +142,10 @@ def damage(source: Source) -> Iterator[None]:
         raise
     # zipfile, zlib, the parser of NumPy's header, ...
     except Exception as error:  # noqa: BLE001
+        if "Object arrays" in str(error):
+            source.fail(
+                "holds Python objects, which are not loaded, for they can run anything: "
+                "save numbers, as in array.astype(float)",
+                error,
+            )
         source.fail(f"is damaged, truncated or no NumPy file ({error})", error)

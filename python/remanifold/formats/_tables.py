@@ -169,7 +169,10 @@ def _simplices(
 
 def _matrix(source: Source, name: str, array: NDArray[Any]) -> FloatArray:
     if array.ndim != 2:
-        source.fail(f"{name} has shape {array.shape}, expected (N, D)")
+        more = ""
+        if array.ndim > 2:
+            more = f"; reshape(-1, {array.shape[-1]}) makes points of an image"
+        source.fail(f"{name} has shape {array.shape}, expected (N, D){more}")
     if array.dtype.kind not in "biufc":
         source.fail(f"{name} holds {array.dtype}, expected numbers")
     if array.dtype.kind == "c":

@@ -725,11 +725,19 @@ def test_fields_are_called_as_one_likes(tmp_path, name):
     np.testing.assert_array_equal(read_fields(tmp_path / "a.npz")[name], values)
 
 
+def test_an_image_of_points_says_how_it_becomes_a_list(tmp_path):
+    np.save(tmp_path / "a.npy", np.zeros((4, 5, 3)))
+    with pytest.raises(
+        ValueError, match=r"\(4, 5, 3\), .* reshape\(-1, 3\) makes points"
+    ):
+        read_points(tmp_path / "a.npy")
+
+
 def test_objects_are_not_unpickled(tmp_path):
     for name in ("a.npy", "a.npz"):
         save = np.save if name == "a.npy" else np.savez
         save(tmp_path / name, np.array([[{}, 1]], dtype=object))
-        with pytest.raises(ValueError, match="allow_pickle=False"):
+        with pytest.raises(ValueError, match="holds Python objects, which are not"):
             read_points(tmp_path / name)
 
 
