@@ -76,7 +76,9 @@ def conformal(operators: Operators, rim: NDArray[np.int32]) -> Floats:
     ones = np.full(len(rim), 0.5)
     area = sparse.csr_array((ones, (i, j)), shape=(count, count))
     area = area - area.T
-    whole = sparse.block_array([[stiffness, -area], [area, stiffness]]).tocsr()
+    # block_array came with SciPy 1.11.
+    blocks = sparse.bmat([[stiffness, -area], [area, stiffness]], format="csr")
+    whole = sparse.csr_array(blocks)
     start = int(rim[0])
     away = _hops(operators, start)
     first = int(rim[np.argmax(away[rim])])

@@ -395,7 +395,7 @@ def _verdict(
     if not reasons:
         ratio = found.quantile(found.ratio, 0.95)
         if ratio == 0:  # a region of R^K does not bend
-            return f"sampling is dense enough: nothing bends around {of}"
+            return f"sampling is dense enough: nothing bends at 95 % of {of}"
         return (
             f"sampling is dense enough: the spacing is at most {ratio:.2g} times the "
             f"reach at 95 % of {of}"
