@@ -55,9 +55,9 @@ def write_report(
     samples in doubt; topology, repair, openings and their evidence, histograms, outliers
     and noise, parameters, versions, digests, timings, and the mesh to download. One file
     that loads nothing else: about 5 MB, nearly all of it the drawing library
-    plotly.js, at most 4 MB more for the picture, which is coarsened beyond 40,000
-    simplices (the page then says so), and the mesh to download, where that has at most
-    8 MB.
+    plotly.js, at most 4 MB more for the picture, twice that for solids, which is
+    coarsened beyond 40,000 simplices (the page then says so), and the mesh to download,
+    where that has at most 8 MB.
 
     Parameters
     ----------
