@@ -37,6 +37,9 @@ class SimplexRuler {
       : samples_(samples), scales_(scales) {}
 
   SimplexMeasures measure(const Index* vertices, int arity) const;
+  /// Whether a simplex has its circumcenter inside, or outside by no more than this share
+  /// of a height.
+  bool holds_center(const Index* vertices, int arity, double tolerance) const;
   /// Whether the simplices fill their space, K = D, so that each has a sign of its own.
   bool fills_space(int arity) const {
     return samples_.has_points() && samples_.ambient_dim() == arity - 1;

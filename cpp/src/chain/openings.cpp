@@ -58,6 +58,9 @@ constexpr double kRingSamples = 150;
 constexpr double kLeastNested = 8;
 constexpr double kNestedGrowth = 1.5;
 constexpr double kNestedErrors = 1.5;
+/// A circumcenter counts as inside down to this share of a height outside: of samples on a
+/// circle it may lie on an edge.
+constexpr double kCentered = 1e-6;
 /// With fewer there is nothing to weigh by.
 constexpr double kLeastRing = 8;
 /// Even samples have smaller gaps, but no sample tells how much smaller than this.
@@ -198,13 +201,16 @@ class OpeningFinder {
     }
     clusters_ = parts_of(rows);
     std::vector<double> near;
-    clusters_.erase(std::remove_if(clusters_.begin(), clusters_.end(),
-                                   [&](const std::vector<Offset>& cluster) {
-                                     return expected(most_weight(cluster, near) /
-                                                     kLeastDispersion) >
-                                            levels_.most_expected;
-                                   }),
-                    clusters_.end());
+    clusters_.erase(
+        std::remove_if(
+            clusters_.begin(), clusters_.end(),
+            [&](const std::vector<Offset>& cluster) {
+              return expected(most_weight(cluster, near) / kLeastDispersion) >
+                         levels_.most_expected &&
+                     expected_balls(most_in_ball(cluster, near) / kLeastDispersion) >
+                         levels_.most_expected;
+            }),
+        clusters_.end());
     for (const std::vector<Offset>& cluster : clusters_) {
       for (const Offset s : cluster) {
         large_[s] = kCandidate;
@@ -227,6 +233,50 @@ class OpeningFinder {
       weight += held - (1 + kChoice) / chance_.simplices_per_sample;
     }
     return weight;
+  }
+
+  /// What the largest ball inside a cluster would hold, as far as the inner scale tells.
+  double most_in_ball(const std::vector<Offset>& cluster, std::vector<double>& near) {
+    if (dim_ == 1) {
+      return 0;
+    }
+    double most = 0;
+    for (const Offset s : cluster) {
+      const double radius = ruler_.measure(simplices_[s], arity_).circumradius;
+      double scale = 0;
+      for (int i = 0; i < arity_; ++i) {
+        scale += least_inner_scale(simplices_[s][i], near) / arity_;
+      }
+      const double held = scale_neighbors(dim_) * std::pow(radius / scale, dim_);
+      if (held > most && has_inner_ball(s)) {
+        most = held;
+      }
+    }
+    return most;
+  }
+
+  /// Whether the empty ball of a simplex is about a point inside it, and none of its
+  /// vertices on a rim, beyond which there is nothing that could be empty.
+  bool has_inner_ball(Offset s) {
+    make_stars();
+    const Index* simplex = simplices_[s];
+    return ruler_.holds_center(simplex, arity_, kCentered) &&
+           std::none_of(simplex, simplex + arity_, [&](Index v) { return at_rim(v); });
+  }
+
+  bool at_rim(Index v) const {
+    for (const Index* s = stars_.begin(v); s != stars_.end(v); ++s) {
+      for (int j = 0; j < arity_; ++j) {
+        bool open = simplices_[*s][j] != v;
+        if (open) {
+          across(*s, j, [&](Offset) { open = false; });
+        }
+        if (open) {
+          return true;
+        }
+      }
+    }
+    return false;
   }
 
   double unit_ball() const {
@@ -316,12 +366,16 @@ class OpeningFinder {
       return;
     }
     Opening whole = weighed(cluster, measured);
+    const auto evident = [&] { return whole.significance() <= levels_.significance; };
+    const bool by_volume = evident();
+    whole.expected = std::min(whole.expected, least_balls(cluster, measured));
     if (whole.expected > levels_.most_expected) {
       return;
     }
-    decide(whole, whole.significance() <= levels_.significance);
+    const bool only_ball = evident() && !by_volume;
+    decide(whole, evident());
     if (whole.open && dim_ > 1) {
-      open_parts(cluster, measured, std::move(whole));
+      open_parts(cluster, measured, std::move(whole), only_ball);
       return;
     }
     if (whole.open) {
@@ -442,10 +496,7 @@ class OpeningFinder {
 
   /// Simplices whose empty balls are no smaller than this one are expected among
   /// independent samples: what it holds is distributed as Gamma(K) (Miles, 1974).
-  double expected_balls(double radius, const Ring& ring) const {
-    const double held = unit_ball() * std::pow(radius, dim_) /
-                        (ring.mean * chance_.simplices_per_sample);
-    const double content = counted(held, ring);
+  double expected_balls(double content) const {
     double sum = 0;
     double term = 1;
     for (int i = 0; i < dim_; ++i) {
@@ -455,16 +506,40 @@ class OpeningFinder {
     return samples_.size() * chance_.simplices_per_sample * std::exp(-content) * sum;
   }
 
+  double expected_balls(double radius, const Ring& ring) const {
+    const double held = unit_ball() * std::pow(radius, dim_) /
+                        (ring.mean * chance_.simplices_per_sample);
+    return expected_balls(counted(held, ring));
+  }
+
+  /// The same of the largest ball inside a cluster: a round hole whose rim has many samples
+  /// falls into many simplices, none of which is large for itself, but all in one ball.
+  double least_balls(const std::vector<Offset>& cluster, const Ring& ring) {
+    double largest = 0;
+    for (const Offset s : cluster) {
+      const double radius =
+          dim_ > 1 ? ruler_.measure(simplices_[s], arity_).circumradius : 0;
+      if (radius > largest && has_inner_ball(s)) {
+        largest = radius;
+      }
+    }
+    return largest > 0 ? expected_balls(largest, ring)
+                       : std::numeric_limits<double>::infinity();
+  }
+
   /// What of a cluster shows itself to be open. Its core is what chance does not leave
   /// empty, simplex by simplex. What that leaves of it, with what is next to it and nearly
   /// as large, goes as well where it is unlikely by itself, or where the rim would not be
   /// longer around it, or not so much longer that among all the rims there are one as empty
   /// is to be expected: else large simplices in a thin place of a band would cut it.
-  /// Without a core the cluster counts as a whole.
-  void open_parts(const std::vector<Offset>& cluster, const Ring& ring, Opening whole) {
+  /// Without a core the cluster counts as a whole. Around a ball that alone is evidence
+  /// those are of the core that are not to be expected, or the hole would be filled again.
+  void open_parts(const std::vector<Offset>& cluster, const Ring& ring, Opening whole,
+                  bool only_ball) {
     std::vector<Offset> core;
     std::vector<Offset> rest;
-    const double most = -std::log1p(-std::min(levels_.significance, 0.999));
+    const double most = only_ball ? levels_.most_expected
+                                  : -std::log1p(-std::min(levels_.significance, 0.999));
     for (const Offset s : cluster) {
       const double radius = ruler_.measure(simplices_[s], arity_).circumradius;
       (expected_balls(radius, ring) <= most ? core : rest).push_back(s);

@@ -136,6 +136,42 @@ SimplexMeasures SimplexRuler::measure(const Index* vertices, int arity) const {
   return result;
 }
 
+bool SimplexRuler::holds_center(const Index* vertices, int arity,
+                                double tolerance) const {
+  const int dim = arity - 1;
+  if (dim < 1 || dim > kMaxDim) {
+    return false;
+  }
+  Small gram(dim, dim);
+  double product = 1;
+  for (int i = 0; i < dim; ++i) {
+    gram(i, i) = samples_.squared_distance(vertices[0], vertices[i + 1]);
+    product *= gram(i, i);
+    for (int j = 0; j < i; ++j) {
+      gram(i, j) = gram(j, i) =
+          (gram(i, i) + gram(j, j) -
+           samples_.squared_distance(vertices[i + 1], vertices[j + 1])) /
+          2;
+    }
+  }
+  Factors factors;
+  factors.compute(gram);
+  if (!(factors.determinant() > kFlat * product)) {
+    return false;
+  }
+  const SmallVector half = gram.diagonal() / 2;
+  SmallVector weights = half;
+  factors.solve(weights);
+  double first = 1;  // coordinate of the first vertex
+  for (int i = 0; i < dim; ++i) {
+    if (weights[i] < -tolerance) {
+      return false;
+    }
+    first -= weights[i];
+  }
+  return first >= -tolerance;
+}
+
 int SimplexRuler::orientation(const Index* vertices, int arity) const {
   const int dim = arity - 1;
   Small edges(dim, dim);

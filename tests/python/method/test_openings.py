@@ -201,6 +201,30 @@ def test_even_samples_show_smaller_openings(seed):
     assert reconstruct(points, 2).topology().boundary_components == 1
 
 
+def test_round_holes_show_with_twenty_samples_missing():
+    """By the empty ball in them: by the volume of their simplices 3 of 6 would."""
+    right, silent = count_right(
+        lambda rng: square_with_hole(rng, 800, 20), 2, (1, 1, 0), 6
+    )
+    assert right >= 5
+    assert silent == 0
+
+
+def rings(num_rings, around, apart):
+    """A tube of few rings, so many times as far apart as the samples in them."""
+    angles = 2 * np.pi * np.arange(around) / around
+    ring = np.c_[np.cos(angles), np.sin(angles), 0 * angles]
+    step = [0, 0, apart * 2 * np.pi / around]
+    return np.concatenate([ring + np.multiply(k, step) for k in range(num_rings)])
+
+
+@pytest.mark.parametrize("num_rings", [2, 3])
+def test_ends_of_a_tube_of_few_rings_are_not_closed_in_silence(num_rings):
+    """A lid falls into as many triangles as the ring has samples, all in one ball."""
+    rec = reconstruct(rings(num_rings, 20, 2.0), 2)
+    assert betti(rec) == (1, 1, 0) or not rec.quality.ok
+
+
 # --- What is said of it -------------------------------------------------------------
 
 
