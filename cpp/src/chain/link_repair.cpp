@@ -41,19 +41,31 @@ class LinkRepair {
         arity_(complex_.arity()),
         ruler_(samples, scales),
         inside_(samples.size(), 0),
-        hole_of_(samples.size(), -1) {}
+        hole_of_(samples.size(), -1),
+        tried_at_(samples.size(), -1),
+        judged_at_(samples.size(), -1),
+        judged_(samples.size(), 0) {}
 
-  bool is_singular(Index v) const {
-    return !complex_.star(v).empty() && !is_sphere_or_ball(complex_.link(v));
+  /// In the complex as it is between moves, so that each link is judged once.
+  bool is_singular(Index v) {
+    if (judged_at_[v] != num_applied_) {
+      judged_at_[v] = num_applied_;
+      judged_[v] = is_singular_now(v) ? 1 : 0;
+    }
+    return judged_[v] != 0;
   }
 
   /// \returns the vertices that the best move has touched; none where none helps
   std::vector<Index> mend(Index v) {
+    if (tried_at_[v] == num_applied_) {
+      return {};  // nothing is as it was not then
+    }
+    tried_at_[v] = num_applied_;
     Move best;
     double best_change = 0;
     for (Move& move : moves_at(v)) {
       execution_.poll();
-      const double change = change_by(move);
+      const double change = change_by(move, best_change);
       if (change < best_change ||
           (change < 0 && change == best_change && move.energy < best.energy)) {
         best_change = change;
@@ -82,7 +94,7 @@ class LinkRepair {
       }
       changed_.push_back(0);
       Move move;
-      if (small && fill(hole, {}, price, move) && change_by(move) <= 0) {
+      if (small && fill(hole, {}, price, move) && change_by(move, 0) <= 0) {
         for (const Index w : vertices_of(move)) {
           if (hole_of_[w] >= 0) {
             changed_[hole_of_[w]] = 1;
@@ -124,6 +136,7 @@ class LinkRepair {
           complex_.remove(s);
         }
       }
+      ++num_applied_;
       result.push_back(v);
     }
     detail::sort_unique(result);
@@ -133,6 +146,10 @@ class LinkRepair {
   SimplexArray finish() { return complex_.finish(); }
 
  private:
+  bool is_singular_now(Index v) const {
+    return !complex_.star(v).empty() && !is_sphere_or_ball(complex_.link(v));
+  }
+
   /// \param found  vertices of the connected open facets at v, or some where there are
   ///               too many
   /// \returns whether that is a hole with few vertices
@@ -365,7 +382,12 @@ class LinkRepair {
     return vertices;
   }
 
-  std::vector<Offset> apply(const Move& move) {
+  void apply(const Move& move) {
+    put(move);
+    ++num_applied_;
+  }
+
+  std::vector<Offset> put(const Move& move) {
     for (const Offset s : move.out) {
       complex_.remove(s);
     }
@@ -378,18 +400,19 @@ class LinkRepair {
 
   /// By how much there are more singular vertices; one that is left without simplices, to
   /// be put back later, counts half.
-  double change_by(const Move& move) {
+  /// \param most  above this any number will do
+  double change_by(const Move& move, double most) {
     const std::vector<Index> touched = vertices_of(move);
-    const auto badness = [&] {
-      double sum = 0;
-      for (const Index v : touched) {
-        sum += complex_.star(v).empty() ? 0.5 : is_singular(v) ? 1.0 : 0.0;
-      }
-      return sum;
-    };
-    const double before = badness();
-    const std::vector<Offset> added = apply(move);
-    const double after = badness();
+    double before = 0;
+    for (const Index v : touched) {
+      before += complex_.star(v).empty() ? 0.5 : is_singular(v) ? 1.0 : 0.0;
+    }
+    const std::vector<Offset> added = put(move);
+    double after = 0;
+    for (std::size_t i = 0; i < touched.size() && after - before <= most; ++i) {
+      const Index v = touched[i];
+      after += complex_.star(v).empty() ? 0.5 : is_singular_now(v) ? 1.0 : 0.0;
+    }
     for (const Offset s : added) {
       complex_.remove(s);
     }
@@ -405,6 +428,12 @@ class LinkRepair {
   SimplexRuler ruler_;
   std::vector<std::uint8_t> inside_;
   std::vector<Index> hole_of_;  // the last hole tried at each vertex, or -1
+  Offset num_applied_ = 0;      // moves
+  /// Of each vertex, the number of moves when it was last looked at in vain, and when its
+  /// link was last judged.
+  std::vector<Offset> tried_at_;
+  std::vector<Offset> judged_at_;
+  std::vector<std::uint8_t> judged_;
   std::vector<std::uint8_t>
       changed_;  // holes at whose vertices simplices changed since
 };
