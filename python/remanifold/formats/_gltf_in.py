@@ -112,7 +112,7 @@ class _Scene:
             for primitive in self.scene["meshes"][number]["primitives"]:
                 where = primitive["attributes"]["POSITION"]
                 if where not in known:
-                    part = self._array(where).astype(np.float64)
+                    part = self._vectors(where)
                     points.append(part @ matrix[:3, :3].T + matrix[:3, 3])
                     fields.append(
                         self._fields(primitive["attributes"], matrix)
@@ -177,9 +177,7 @@ class _Scene:
         for key, number in attributes.items():
             if key == "NORMAL":
                 # Normals go by the transposed inverse.
-                turned = self._array(number).astype(np.float64) @ np.linalg.pinv(
-                    matrix[:3, :3]
-                )
+                turned = self._vectors(number) @ np.linalg.pinv(matrix[:3, :3])
                 length = np.linalg.norm(turned, axis=1, keepdims=True)
                 fields["normals"] = turned / np.where(length > 0, length, 1)
             elif key == "COLOR_0":
@@ -213,6 +211,14 @@ class _Scene:
         if mode != 0:
             self.source.fail(f"holds a primitive of mode {mode}, which there is none")
         return []
+
+    def _vectors(self, number: int) -> FloatArray:
+        """Rows of three numbers, as positions and normals are."""
+        array = self._array(number).astype(np.float64)
+        if array.shape[1] != 3:
+            what = f"{array.shape[1]} numbers"
+            self.source.fail(f"is damaged: a position or normal has {what}, expected 3")
+        return array
 
     def _array(self, number: int, raw: bool = False) -> NDArray[Any]:
         """Rows of an accessor; whole numbers that stand for shares are divided."""

@@ -3,8 +3,10 @@
 
 from __future__ import annotations
 
+import contextlib
+import struct
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -253,7 +255,8 @@ def read_file(
     suffix = _checked_suffix(path, format, known)
     source = Source(path, suffix, asked, cells)
     try:
-        mesh = READERS[suffix](source, fields or asked is not None)
+        with _damage(source):
+            mesh = READERS[suffix](source, fields or asked is not None)
         mesh.points = np.ascontiguousarray(mesh.points, dtype=np.float64)
         if mesh.points.size == 0:
             source.fail("holds no points")
@@ -272,6 +275,21 @@ def read_file(
         text = what.replace("COLUMNS", "columns=")
         warnings.warn(f"{source}: {text}", FileWarning, stacklevel=3)
     return source, mesh
+
+
+@contextlib.contextmanager
+def _damage(source: Source) -> Iterator[None]:
+    """Refuse what a reader stumbles over: bytes of a damaged file may say anything."""
+    try:
+        yield
+    except (
+        *(ArithmeticError, AttributeError, EOFError, LookupError, RecursionError),
+        *(TypeError, ValueError, struct.error),
+    ) as error:
+        if isinstance(error, ValueError) and str(error).startswith(str(source)):
+            raise
+        reason = f"{type(error).__name__}: {error}"
+        source.fail(f"is damaged or truncated ({reason})", error)
 
 
 def _look_at_shape(source: Source, mesh: FileMesh) -> None:

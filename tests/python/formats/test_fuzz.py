@@ -6,6 +6,7 @@ from __future__ import annotations
 import importlib.util
 import re
 import warnings
+from pathlib import Path
 
 import laspy
 import numpy as np
@@ -136,3 +137,12 @@ def test_damaged_files_give_one_clear_line(tmp_path, suffix, capfd):
             try_all(bad)
     # Nothing is said but by exceptions.
     assert capfd.readouterr() == ("", "")
+
+
+FOUND = sorted((Path(__file__).parents[2] / "fuzz" / "corpus" / "readers").iterdir())
+
+
+@pytest.mark.parametrize("path", FOUND, ids=lambda path: path.name)
+def test_what_fuzzing_found(path):
+    """Each was once another error than one clear line; the names say which."""
+    assert try_all(path)
