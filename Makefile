@@ -42,7 +42,8 @@ SOURCES := CMakeLists.txt README.md pyproject.toml $(shell find cpp python tests
 
 .NOTPARALLEL:
 .PHONY: all demo check test test-cpp test-python test-consumers test-lowest test-newest \
-  smoke constraints bench bench-docs bench-hard hard bench-steps soak side-by-side \
+  smoke constraints bench bench-docs bench-hard hard bench-steps soak fuzz faults \
+  interruptions side-by-side \
   side-by-side-docs docs wheel lint format system-packages clean distclean
 
 all: $(PACKAGE)
@@ -122,6 +123,21 @@ hard: $(PACKAGE)
 # Random manifolds of all families. make soak ARGS="--seconds 3600 --seed 1"
 soak: $(PACKAGE)
 	$(BIN)/python benchmarks/soak.py $(ARGS)
+
+# Bytes through the core and damaged files through the readers, ten minutes each.
+# make fuzz SECONDS_EACH=3600 SEED=2
+SECONDS_EACH = 600
+SEED = 1
+fuzz: $(PACKAGE)
+	.ci/fuzz.sh $(BIN) $(SECONDS_EACH) $(SEED)
+
+# Every allocation of small runs fails in turn; the tests take a sample.
+faults: $(PACKAGE)
+	REMANIFOLD_ALL_FAULTS=1 $(BUILD)/tests/remanifold_fault_tests
+
+# Runs stopped at random moments. make interruptions ARGS="--count 1000 --seed 1"
+interruptions: $(PACKAGE)
+	$(BIN)/python tests/python/interrupting.py $(ARGS)
 
 # The steps one by one. make bench-steps ARGS="--shape sphere3 --samples 10000,20000"
 bench-steps: $(PACKAGE)

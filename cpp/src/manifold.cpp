@@ -44,7 +44,8 @@ std::vector<std::int8_t> orient(const Samples& samples, const SimplexArray& simp
   const int arity = simplices.arity;
   const int dim = arity - 1;
   const auto num_patches = patches.sizes.size();
-  const int ambient_dim = samples.has_points() ? samples.ambient_dim() : 0;
+  const std::vector<int>& axes = samples.varying_axes();
+  const auto ambient_dim = static_cast<int>(axes.size());
   std::vector<double> volume(num_patches, 0.0);
   std::vector<double> first(num_patches, 0.0);
   Eigen::MatrixXd edges(ambient_dim, ambient_dim);
@@ -61,7 +62,7 @@ std::vector<std::int8_t> orient(const Samples& samples, const SimplexArray& simp
         const double* p = samples.point(simplices[s][cone ? i : i + 1]);
         const double* origin = samples.point(simplices[s][0]);
         for (int j = 0; j < ambient_dim; ++j) {
-          edges(i, j) = cone ? p[j] : p[j] - origin[j];
+          edges(i, j) = cone ? p[axes[j]] : p[axes[j]] - origin[axes[j]];
         }
       }
       volume[patch] += sign * (ambient_dim == 3 ? Eigen::Matrix3d(edges).determinant()
@@ -87,13 +88,20 @@ Index few_neighbors(const Samples& samples, int dim) {
                   std::max<Index>(dim + 1, (samples.size() - 1) / 2));
 }
 
-/// The determinant of the edges from the first vertex, and the product of their lengths.
-std::pair<double, double> volume_of(const Samples& samples, const Index* simplex) {
-  const int dim = samples.ambient_dim();
+/// Where samples differ in no more than K coordinates: the determinant of the edges from the
+/// first vertex, and the product of their lengths.
+std::pair<double, double> volume_of(const Samples& samples, const Index* simplex,
+                                    int arity) {
+  const std::vector<int>& axes = samples.varying_axes();
+  const auto dim = static_cast<int>(axes.size());
+  if (dim < arity - 1) {
+    return {0.0, 1.0};
+  }
   Eigen::MatrixXd edges(dim, dim);
   for (int i = 0; i < dim; ++i) {
     for (int j = 0; j < dim; ++j) {
-      edges(i, j) = samples.point(simplex[i + 1])[j] - samples.point(simplex[0])[j];
+      edges(i, j) =
+          samples.point(simplex[i + 1])[axes[j]] - samples.point(simplex[0])[axes[j]];
     }
   }
   return {dim == 3 ? Eigen::Matrix3d(edges).determinant() : edges.determinant(),
@@ -104,10 +112,15 @@ std::pair<double, double> volume_of(const Samples& samples, const Index* simplex
 /// side as on the other.
 std::vector<std::uint8_t> edges_across(const Samples& samples,
                                        const SimplexArray& edges) {
+  if (samples.varying_axes().empty()) {
+    return std::vector<std::uint8_t>(edges.size(), 0);
+  }
+  const int axis = samples.varying_axes().front();
   std::vector<Index> order(samples.size());
   std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(),
-            [&](Index a, Index b) { return *samples.point(a) < *samples.point(b); });
+  std::sort(order.begin(), order.end(), [&](Index a, Index b) {
+    return samples.point(a)[axis] < samples.point(b)[axis];
+  });
   std::vector<Index> rank(samples.size());
   for (Index i = 0; i < samples.size(); ++i) {
     rank[order[i]] = i;
@@ -129,7 +142,7 @@ std::vector<std::uint8_t> turned_over(const Samples& samples,
   std::vector<std::uint8_t> turned(size, 0);
   for (std::size_t s = 0; s < size; ++s) {
     const auto [volume, lengths] =
-        volume_of(samples, simplices[static_cast<Offset>(s)]);
+        volume_of(samples, simplices[static_cast<Offset>(s)], simplices.arity);
     const bool flat = !(std::abs(volume) > detail::kFlatSimplex * lengths);
     volumes[s] = flat ? 0 : volume * complex.patches.sign[s];
     of_patch[complex.patches.patch[s]] += volumes[s];
@@ -243,7 +256,7 @@ Reconstruction reconstruct(const Samples& given, const ReconstructOptions& optio
   ManifoldComplex complex = build_manifold(
       samples.knowing(neighborhoods), fewer.count > 0 ? fewer : neighborhoods,
       steps.tangents, std::move(steps.regions), manifold, solver, execution);
-  if (samples.has_points() && samples.ambient_dim() == dim) {
+  if (samples.has_points() && static_cast<int>(samples.varying_axes().size()) <= dim) {
     leave_out_flat(samples, complex, execution);
   }
   const std::size_t freed = neighborhoods.indices.size() * sizeof(Index);

@@ -9,7 +9,7 @@
 //
 // - Exact over all samples at local cost: a sample farther than twice the radius of the
 //   region cannot cut it (security radius); more neighbors are asked for until then.
-// - The weights w (tie_weights) are 1e-10 of the squared spacing at most. They decide
+// - The weights w (tie_weights) are 1e-7 of the squared spacing at most. They decide
 //   ties of cocircular samples the same way in every region.
 #pragma once
 
@@ -31,8 +31,8 @@ Index certifying_count(int dim);
 /// certified by them where each query looks at all samples, and asking again is dear.
 Index certifying_count(int dim, const NeighborSearch& search);
 
-/// A weight per sample: 1e-10 times the squared distance to its nearest neighbor times a
-/// hash of its position in [0, 1), or of its input number where it has none.
+/// A weight per sample: 1e-7 times the squared distance to its nearest neighbor times a
+/// hash of its position in [0, 1), or of its distances where it has none.
 std::vector<double> tie_weights(const Samples& samples,
                                 const Neighborhoods& neighborhoods);
 

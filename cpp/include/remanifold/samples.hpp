@@ -48,6 +48,9 @@ class Samples {
   bool has_points() const { return kind_ == Kind::kPoints; }
   /// D, or 0 where only products are known.
   int ambient_dim() const { return ambient_dim_; }
+  /// Coordinates in which points differ, ascending: the others, which are zero, decide
+  /// nothing. Empty where only products are known.
+  const std::vector<int>& varying_axes() const { return varying_axes_; }
   /// Canonical lengths times scale() are input lengths.
   double scale() const { return scale_; }
 
@@ -72,6 +75,7 @@ class Samples {
 
   Kind kind_ = Kind::kPoints;
   int ambient_dim_ = 0;
+  std::vector<int> varying_axes_;
   double scale_ = 1.0;
   double inverse_scale_ = 1.0;
   std::shared_ptr<double> points_;

@@ -7,16 +7,19 @@
 #include "remanifold/types.hpp"
 
 #include <tbb/blocked_range.h>
-#include <tbb/enumerable_thread_specific.h>
 #include <tbb/global_control.h>
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 #include <tbb/partitioner.h>
 #include <tbb/task_arena.h>
+#include <tbb/task_group.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
+#include <exception>
+#include <new>
 #include <optional>
 #include <vector>
 
@@ -41,6 +44,28 @@ void with_threads(const Execution& execution, const Function& function) {
   arena.execute(function);
 }
 
+/// The first exception of several threads. Without it TBB would hand exceptions on, which
+/// takes memory, and ends the program where there is none left.
+class FirstException {
+ public:
+  /// To be called where an exception is handled.
+  void keep() noexcept {
+    if (!kept_.exchange(true)) {
+      exception_ = std::current_exception();
+    }
+  }
+  /// When all threads have ended.
+  void rethrow() const {
+    if (exception_ != nullptr) {
+      std::rethrow_exception(exception_);
+    }
+  }
+
+ private:
+  std::atomic<bool> kept_{false};
+  std::exception_ptr exception_;
+};
+
 /// body(begin, end) on consecutive blocks that cover [0, count), beside the progress.
 template <class Body>
 void for_each_block_uncounted(Offset count, Offset block, const Execution& execution,
@@ -57,16 +82,29 @@ void for_each_block_uncounted(Offset count, Offset block, const Execution& execu
     }
     return;
   }
+  FirstException exception;
+  std::atomic<Offset> num_done{0};
   with_threads(execution, [&] {
+    tbb::task_group_context context;
     tbb::parallel_for(
         tbb::blocked_range<Offset>(0, num_blocks, 1),
         [&](const tbb::blocked_range<Offset>& range) {
-          for (Offset b = range.begin(); b != range.end(); ++b) {
-            run(b);
+          try {
+            for (Offset b = range.begin(); b != range.end(); ++b) {
+              run(b);
+              num_done.fetch_add(1, std::memory_order_relaxed);
+            }
+          } catch (...) {
+            exception.keep();
+            context.cancel_group_execution();
           }
         },
-        tbb::simple_partitioner());
+        tbb::simple_partitioner(), context);
   });
+  exception.rethrow();
+  if (num_done != num_blocks) {
+    throw std::bad_alloc();  // of a task
+  }
 }
 
 /// The same, and counts towards the step that has begun.
@@ -91,10 +129,6 @@ void sort_all(std::vector<T>& values, const Execution& execution, const Less& le
                  [&] { tbb::parallel_sort(values.begin(), values.end(), less); });
   }
 }
-
-/// A scratch object for each thread, made on first use.
-template <class T>
-using PerThread = tbb::enumerable_thread_specific<T>;
 
 inline void begin_step(const Execution& execution, Step step, Offset total) {
   if (execution.progress != nullptr) {

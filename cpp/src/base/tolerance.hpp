@@ -14,8 +14,10 @@ constexpr double kEnclosureTolerance = 1e-12;
 constexpr double kDependentSquaredSine = 1e-13;
 
 /// Tie-breaking weights in units of the squared nearest-neighbor distance: far above
-/// rounding (1e-15), far below any distance that means something.
-constexpr double kTieWeight = 1e-10;
+/// rounding (1e-15), far below any distance that means something. Far above kFlatSimplex
+/// too: what lies on a grid up to errors between the two would have flat simplices between
+/// its cells, which are left out, and nothing in their place.
+constexpr double kTieWeight = 1e-7;
 
 /// A neighbor whose tangent coordinates are shorter than this times its distance lies
 /// straight above the sample: its halfspace holds the whole tangent space.

@@ -51,10 +51,11 @@ void delaunay_2(const Samples& samples, const std::vector<Index>& vertices, int 
   using Vertex = CGAL::Triangulation_vertex_base_with_info_2<Index, Kernel>;
   using Structure = CGAL::Triangulation_data_structure_2<Vertex>;
   using Triangulation = CGAL::Delaunay_triangulation_2<Kernel, Structure>;
+  const std::vector<int>& axes = samples.varying_axes();
   std::vector<std::pair<Kernel::Point_2, Index>> points;
   for (const Index v : vertices) {
     const double* p = samples.point(v);
-    points.emplace_back(Kernel::Point_2(p[0], p[1]), v);
+    points.emplace_back(Kernel::Point_2(p[axes[0]], p[axes[1]]), v);
   }
   const Triangulation triangulation(points.begin(), points.end());
   std::vector<std::array<Index, 3>> cells;
@@ -80,10 +81,11 @@ void delaunay_3(const Samples& samples, const std::vector<Index>& vertices, int 
   using Cell = CGAL::Delaunay_triangulation_cell_base_3<Kernel>;
   using Structure = CGAL::Triangulation_data_structure_3<Vertex, Cell>;
   using Triangulation = CGAL::Delaunay_triangulation_3<Kernel, Structure>;
+  const std::vector<int>& axes = samples.varying_axes();
   std::vector<std::pair<Kernel::Point_3, Index>> points;
   for (const Index v : vertices) {
     const double* p = samples.point(v);
-    points.emplace_back(Kernel::Point_3(p[0], p[1], p[2]), v);
+    points.emplace_back(Kernel::Point_3(p[axes[0]], p[axes[1]], p[axes[2]]), v);
   }
   const Triangulation triangulation(points.begin(), points.end());
   if (triangulation.dimension() == 3) {
@@ -186,9 +188,9 @@ SimplexArray cliques_of(const std::vector<Index>& pairs, int dim, std::size_t ma
 SimplexArray delaunay_faces(const Samples& samples, const std::vector<Index>& vertices,
                             int dim) {
   SimplexArray faces{dim + 1, {}};
-  if (samples.ambient_dim() == 2) {
+  if (samples.varying_axes().size() == 2) {
     delaunay_2(samples, vertices, dim, faces);
-  } else if (samples.ambient_dim() == 3) {
+  } else if (samples.varying_axes().size() == 3) {
     delaunay_3(samples, vertices, dim, faces);
   }
   return sorted_unique(faces);

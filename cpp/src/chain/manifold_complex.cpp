@@ -457,8 +457,8 @@ class ManifoldBuilder {
       marked[v] = 1;
     }
     SimplexArray more{arity_, {}};
-    if (step == 1 && samples_.has_points() && samples_.ambient_dim() <= 3 &&
-        samples_.ambient_dim() > 1) {
+    const std::size_t axes = samples_.varying_axes().size();
+    if (step == 1 && (axes == 2 || axes == 3)) {
       more = detail::delaunay_faces(samples_, open_region_, dim_);
     } else {
       const std::size_t most = kCliquesPerSample * open_region_.size();

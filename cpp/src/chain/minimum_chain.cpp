@@ -2,6 +2,7 @@
 #include "remanifold/minimum_chain.hpp"
 
 #include "base/parallel.hpp"
+#include "base/per_thread.hpp"
 #include "chain/cavity_part.hpp"
 #include "chain/cavity_refill.hpp"
 #include "chain/cavity_search.hpp"
@@ -69,19 +70,20 @@ class ChainSolver {
     const Index count = cavities_.count();
     std::vector<std::vector<Index>> chosen(count);
     std::vector<std::uint8_t> finished(count, 0);
-    detail::PerThread<detail::CavitySearch> searches(
+    detail::ThreadScratch<detail::CavitySearch> searches(
         [&] { return detail::CavitySearch(cavities_, execution_); });
     detail::for_each_block_uncounted(
         count, kBlock, execution_, [&](Offset begin, Offset end) {
-          detail::CavitySearch& search = searches.local();
-          for (Offset c = begin; c < end; ++c) {
-            const auto cavity = static_cast<Index>(c);
-            if (is_searched(cavity)) {
-              execution_.poll();
-              finished[c] = search.run(cavity, options_.search_steps) ? 1 : 0;
-              chosen[c] = search.chosen();
+          searches.use([&](detail::CavitySearch& search) {
+            for (Offset c = begin; c < end; ++c) {
+              const auto cavity = static_cast<Index>(c);
+              if (is_searched(cavity)) {
+                execution_.poll();
+                finished[c] = search.run(cavity, options_.search_steps) ? 1 : 0;
+                chosen[c] = search.chosen();
+              }
             }
-          }
+          });
         });
     const bool oriented = needs_orientation() && solver_;
     for (Index c = 0; c < count; ++c) {

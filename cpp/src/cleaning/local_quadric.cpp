@@ -97,7 +97,8 @@ bool LocalQuadric::fit(const Eigen::MatrixXd& all, const Eigen::VectorXd& distan
   curvature_ = 0;
   // Noise along the manifold draws what is bent towards the inside, by half the variance
   // in each direction times the mean curvature.
-  const auto codim = rows.cols() - dim_;
+  // Coordinates without extent have no noise.
+  const auto codim = (rows.array() != 0).colwise().any().count() - dim_;
   if (num_unknowns_ == unknowns(dim_) && codim > 0 && variance_ > 0) {
     Eigen::MatrixXd second = coefficients_.bottomRows(num_unknowns_ - 1 - dim_);
     second -= (second * frame_.transpose()) * frame_;

@@ -2,6 +2,7 @@
 #include "remanifold/outliers.hpp"
 
 #include "base/parallel.hpp"
+#include "base/per_thread.hpp"
 #include "local/local_coordinates.hpp"
 #include "local/parabola.hpp"
 #include "local/quadratic_fit.hpp"
@@ -206,14 +207,15 @@ class OutlierFinder {
                                   [&](Index x) { return out_[x] != kIn; }),
                    alive_.end());
     }
-    detail::PerThread<Scratch> scratches;
+    detail::ThreadScratch<Scratch> scratches;
     const auto over_alive = [&](const auto& body) {
       detail::for_each_block_uncounted(static_cast<Offset>(alive_.size()), kBlock,
                                        execution_, [&](Offset begin, Offset end) {
-                                         Scratch& scratch = scratches.local();
-                                         for (Offset i = begin; i < end; ++i) {
-                                           body(alive_[i], scratch);
-                                         }
+                                         scratches.use([&](Scratch& scratch) {
+                                           for (Offset i = begin; i < end; ++i) {
+                                             body(alive_[i], scratch);
+                                           }
+                                         });
                                        });
     };
     over_alive([&](Index x, Scratch& scratch) {
@@ -503,44 +505,46 @@ class OutlierFinder {
       std::vector<Index> members;
       Eigen::VectorXd weights;
     };
-    detail::PerThread<Voter> voters([&] {
+    detail::ThreadScratch<Voter> voters([&] {
       return Voter{{}, {}, detail::QuadraticFit(options_.dim), {}, {}};
     });
     detail::for_each_block_uncounted(
         static_cast<Offset>(starts.size()) - 1, 16, execution_,
         [&](Offset begin, Offset end) {
-          Voter& voter = voters.local();
-          for (Offset i = begin; i < end; ++i) {
-            const Index y = votes[starts[i]].voter;
-            nearest(y, vote_count_, voter.scratch);
-            std::vector<Index>& members = voter.members;
-            members = voter.scratch.near;
-            members.push_back(y);
-            const std::size_t fitted = members.size();
-            const double end_of = distance(y, members[fitted - 2]) * (1 + 1e-6);
-            voter.weights.resize(
-                static_cast<Eigen::Index>(fitted + (starts[i + 1] - starts[i])));
-            for (std::size_t k = 0; k < fitted; ++k) {
-              const double ratio = distance(y, members[k]) / end_of;
-              voter.weights[static_cast<Eigen::Index>(k)] = 1 - ratio * ratio;
+          voters.use([&](Voter& voter) {
+            for (Offset i = begin; i < end; ++i) {
+              const Index y = votes[starts[i]].voter;
+              nearest(y, vote_count_, voter.scratch);
+              std::vector<Index>& members = voter.members;
+              members = voter.scratch.near;
+              members.push_back(y);
+              const std::size_t fitted = members.size();
+              const double end_of = distance(y, members[fitted - 2]) * (1 + 1e-6);
+              voter.weights.resize(
+                  static_cast<Eigen::Index>(fitted + (starts[i + 1] - starts[i])));
+              for (std::size_t k = 0; k < fitted; ++k) {
+                const double ratio = distance(y, members[k]) / end_of;
+                voter.weights[static_cast<Eigen::Index>(k)] = 1 - ratio * ratio;
+              }
+              for (std::size_t v = starts[i]; v < starts[i + 1]; ++v) {
+                voter.weights[static_cast<Eigen::Index>(members.size())] = 0;
+                members.push_back(votes[v].sample);
+              }
+              voter.coordinates.load(samples_, y, members.data(), as_index(members));
+              const bool fits =
+                  voter.fit.fit(voter.coordinates.vectors(), voter.weights);
+              for (std::size_t v = starts[i]; v < starts[i + 1]; ++v) {
+                const auto own = std::find(members.begin(), members.begin() + fitted,
+                                           votes[v].sample);
+                const auto row =
+                    own != members.begin() + fitted
+                        ? own - members.begin()
+                        : static_cast<std::ptrdiff_t>(fitted + (v - starts[i]));
+                given[votes[v].slot] = fits ? voter.fit.distance_without(row)
+                                            : std::numeric_limits<double>::infinity();
+              }
             }
-            for (std::size_t v = starts[i]; v < starts[i + 1]; ++v) {
-              voter.weights[static_cast<Eigen::Index>(members.size())] = 0;
-              members.push_back(votes[v].sample);
-            }
-            voter.coordinates.load(samples_, y, members.data(), as_index(members));
-            const bool fits = voter.fit.fit(voter.coordinates.vectors(), voter.weights);
-            for (std::size_t v = starts[i]; v < starts[i + 1]; ++v) {
-              const auto own =
-                  std::find(members.begin(), members.begin() + fitted, votes[v].sample);
-              const auto row =
-                  own != members.begin() + fitted
-                      ? own - members.begin()
-                      : static_cast<std::ptrdiff_t>(fitted + (v - starts[i]));
-              given[votes[v].slot] = fits ? voter.fit.distance_without(row)
-                                          : std::numeric_limits<double>::infinity();
-            }
-          }
+          });
         });
 
     std::vector<double> result;

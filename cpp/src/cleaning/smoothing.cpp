@@ -2,6 +2,7 @@
 #include "remanifold/smoothing.hpp"
 
 #include "base/parallel.hpp"
+#include "base/per_thread.hpp"
 #include "cleaning/local_quadric.hpp"
 
 #include <algorithm>
@@ -303,8 +304,7 @@ class Smoother {
     }
     result.points = project(samples_, search, count);
     result.rounds = 1;
-    const double one_way =
-        std::sqrt(choice.noise / std::max(1, samples_.ambient_dim() - options_.dim));
+    const double one_way = std::sqrt(choice.noise / codim());
     while (result.rounds < kMostRounds && one_way > kConfusing * choice.radius) {
       const Samples moved = Samples::from_points(
           {result.points.data(), samples_.size(), samples_.ambient_dim()}, execution_);
@@ -312,7 +312,7 @@ class Smoother {
       result.points = project(moved, again, count);
       ++result.rounds;
     }
-    if (options_.only_noise && samples_.ambient_dim() - options_.dim == 1 &&
+    if (options_.only_noise && num_axes() - options_.dim == 1 &&
         are_two_layers(squared_moves(result.points))) {
       result = judged(choice.narrow_noise, choice.narrow_risk, choice.fitting_dim);
       result.layers = true;
@@ -329,6 +329,10 @@ class Smoother {
     result.fitting_dim = fitting_dim > 0 ? fitting_dim : options_.dim;
     return result;
   }
+
+  int num_axes() const { return static_cast<int>(samples_.varying_axes().size()); }
+  /// Dimension of the normal space, of which coordinates without extent are no part.
+  int codim() const { return std::max(1, num_axes() - options_.dim); }
 
   std::vector<double> squared_moves(const std::vector<double>& points) const {
     const auto dim = static_cast<std::size_t>(samples_.ambient_dim());
@@ -363,7 +367,6 @@ class Smoother {
                              int step, Index probes) const {
     const int num_levels = (last - first) / step + 1;
     const int half = 2 / step;
-    const int codim = std::max(1, samples_.ambient_dim() - options_.dim);
     struct At {
       double scatter, gain, difference, gain_difference, growth, radius, curvature,
           nearest, tie, thickness, wide;
@@ -387,7 +390,7 @@ class Smoother {
         influences[k] = quadric.influence();
         out.scatter = quadric.variance();
         out.gain = quadric.gain();
-        out.thickness = out.scatter / (codim * quadric.spread());
+        out.thickness = out.scatter / (codim() * quadric.spread());
         out.wide = quadric.wide_directions();
         out.radius = fitter.distance(count - 1);
         out.nearest = fitter.distance(1);
@@ -467,7 +470,7 @@ class Smoother {
       return dim;
     }
     double wide = 0;
-    bool thick = samples_.ambient_dim() > dim;
+    bool thick = num_axes() > dim;
     for (const Level& level : levels) {
       wide = std::max(wide, level.wide);
       thick = thick && level.thickness > kThick * kThick;
@@ -479,8 +482,7 @@ class Smoother {
       return dim;
     }
     const double filled = filled_dim(levels[levels.size() - 2], last);
-    return std::clamp(static_cast<int>(std::lround(filled)), dim + 1,
-                      samples_.ambient_dim());
+    return std::clamp(static_cast<int>(std::lround(filled)), dim + 1, num_axes());
   }
 
   /// Whether larger neighborhoods fill K dimensions: samples may be dense along lines. What
@@ -611,8 +613,7 @@ class Smoother {
       choice.noise = choice.narrow_noise;
       choice.risk = choice.narrow_risk;
     }
-    const double one_way =
-        std::sqrt(choice.noise / std::max(1, samples_.ambient_dim() - options_.dim));
+    const double one_way = std::sqrt(choice.noise / codim());
     choice.drowning =
         choice.noisy
             ? choice.curvature * std::max(std::sqrt(choice.risk) / kDrowningError,
@@ -624,16 +625,17 @@ class Smoother {
   template <class Body>
   void over(const Samples& arranged, const NeighborSearch& search, Offset count,
             const Body& body) const {
-    detail::PerThread<Fitter> fitters([&] {
+    detail::ThreadScratch<Fitter> fitters([&] {
       Fitter fitter(samples_, arranged, search, execution_, options_.dim);
       fitter.set_factor(&arranged == &samples_ ? 1 : arranged.scale());
       return fitter;
     });
     detail::for_each_block(count, kBlock, execution_, [&](Offset begin, Offset end) {
-      Fitter& fitter = fitters.local();
-      for (Offset i = begin; i < end; ++i) {
-        body(fitter, i);
-      }
+      fitters.use([&](Fitter& fitter) {
+        for (Offset i = begin; i < end; ++i) {
+          body(fitter, i);
+        }
+      });
     });
   }
 

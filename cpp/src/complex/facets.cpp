@@ -4,6 +4,7 @@
 #include "base/csr.hpp"
 #include "base/dispatch.hpp"
 #include "base/parallel.hpp"
+#include "base/per_thread.hpp"
 #include "base/signed_sets.hpp"
 #include "complex/simplex_rows.hpp"
 
@@ -167,7 +168,7 @@ UnpairedFacets unpaired_facets(const SimplexArray& simplices,
     std::vector<Index> facet;
   };
   const int dim = simplices.arity - 1;
-  detail::PerThread<Scratch> scratch([&] {
+  detail::ThreadScratch<Scratch> scratch([&] {
     return Scratch{{}, std::vector<Index>(dim)};
   });
   sort_facets(simplices, static_cast<Index>(inside.size()), execution,
@@ -175,17 +176,18 @@ UnpairedFacets unpaired_facets(const SimplexArray& simplices,
                 if (cofaces == 2) {
                   return;
                 }
-                Scratch& local = scratch.local();
-                copy_facet(simplices, entries[0].facet, local.facet.data());
-                if (std::all_of(local.facet.begin(), local.facet.end(),
-                                [&](Index v) { return inside[v] != 0; })) {
-                  local.found.push_back({position, entries[0].facet, cofaces == 1});
-                }
+                scratch.use([&](Scratch& local) {
+                  copy_facet(simplices, entries[0].facet, local.facet.data());
+                  if (std::all_of(local.facet.begin(), local.facet.end(),
+                                  [&](Index v) { return inside[v] != 0; })) {
+                    local.found.push_back({position, entries[0].facet, cofaces == 1});
+                  }
+                });
               });
   std::vector<Found> all;
-  for (const Scratch& local : scratch) {
+  scratch.for_each([&](const Scratch& local) {
     all.insert(all.end(), local.found.begin(), local.found.end());
-  }
+  });
   std::sort(all.begin(), all.end(),
             [](const Found& a, const Found& b) { return a.position < b.position; });
   UnpairedFacets result;

@@ -3,6 +3,7 @@
 // neighbors lie on one curve there, whose bend says nothing about the other directions.
 #include "base/dispatch.hpp"
 #include "base/parallel.hpp"
+#include "base/per_thread.hpp"
 #include "local/frame_fit.hpp"
 #include "local/local_coordinates.hpp"
 #include "local/parabola.hpp"
@@ -162,17 +163,19 @@ void refit_along_curves(const Samples& samples, const NeighborSearch& search,
   const auto size = static_cast<std::size_t>(options.dim) * samples.ambient_dim();
   detail::dispatch_dim(options.dim, [&](auto k) {
     using Kernel = CurveKernel<decltype(k)::value>;
-    detail::PerThread<Kernel> kernels(
+    detail::ThreadScratch<Kernel> kernels(
         [&] { return Kernel(samples, search, neighborhoods, options, execution); });
     detail::for_each_block_uncounted(
         samples.size(), kBlock, execution, [&](Offset begin, Offset end) {
-          Kernel& kernel = kernels.local();
-          for (Offset x = begin; x < end; ++x) {
-            // On a straight line there was none.
-            if (kernel.refit(static_cast<Index>(x), tangents.bases.data() + x * size)) {
-              tangents.boundary[x] = 0;
+          kernels.use([&](Kernel& kernel) {
+            for (Offset x = begin; x < end; ++x) {
+              // On a straight line there was none.
+              if (kernel.refit(static_cast<Index>(x),
+                               tangents.bases.data() + x * size)) {
+                tangents.boundary[x] = 0;
+              }
             }
-          }
+          });
         });
   });
 }

@@ -5,6 +5,7 @@
 #include "base/dispatch.hpp"
 #include "base/mix_bits.hpp"
 #include "base/parallel.hpp"
+#include "base/per_thread.hpp"
 #include "base/tolerance.hpp"
 #include "base/waves.hpp"
 #include "local/region.hpp"
@@ -56,22 +57,24 @@ double hash_to_unit(std::uint64_t key) {
          0x1p-53;
 }
 
+std::uint64_t bits_of(double value) {
+  std::uint64_t bits = 0;
+  std::memcpy(&bits, &value, sizeof bits);
+  return bits;
+}
+
 /// A number in [0, 1) for each position, so that the order of the samples decides no tie.
-/// Axes on which all agree, which are zero then, do not matter.
+/// Axes on which all agree do not matter, nor where all lie together.
 class PositionHash {
  public:
-  explicit PositionHash(const Samples& samples) : samples_(samples) {
-    std::vector<std::uint8_t> varies(samples.ambient_dim(), 0);
-    for (Index i = 0; i < samples.size(); ++i) {
-      const double* point = samples.point(i);
-      for (int j = 0; j < samples.ambient_dim(); ++j) {
-        varies[j] |= point[j] != 0 ? 1 : 0;
+  explicit PositionHash(const Samples& samples)
+      : samples_(samples), axes_(samples.varying_axes()) {
+    for (const int axis : axes_) {
+      double low = samples.point(0)[axis];
+      for (Index i = 1; i < samples.size(); ++i) {
+        low = std::min(low, samples.point(i)[axis]);
       }
-    }
-    for (int j = 0; j < samples.ambient_dim(); ++j) {
-      if (varies[j] != 0) {
-        axes_.push_back(j);
-      }
+      low_.push_back(low);
     }
   }
 
@@ -79,9 +82,7 @@ class PositionHash {
     const double* point = samples_.point(i);
     std::uint64_t lanes[kLanes] = {1, 2, 3, 4};
     for (std::size_t j = 0; j < axes_.size(); ++j) {
-      const double coordinate = point[axes_[j]] + 0.0;  // one zero, not two
-      std::uint64_t bits = 0;
-      std::memcpy(&bits, &coordinate, sizeof bits);
+      const std::uint64_t bits = bits_of(point[axes_[j]] - low_[j]);
       std::uint64_t& lane = lanes[j % kLanes];
       lane = (lane ^ bits ^ bits >> 32) * 0x9e3779b97f4a7c15ULL;
     }
@@ -97,7 +98,20 @@ class PositionHash {
 
   const Samples& samples_;
   std::vector<int> axes_;
+  std::vector<double> low_;
 };
+
+/// The same where there are no positions: by the distances to all others, whatever their
+/// order. Only among what a symmetry of the samples exchanges do input numbers decide.
+double hash_of_distances(const Samples& samples, Index i) {
+  constexpr double share_of_numbers = 0x1p-13;
+  std::uint64_t sum = 0;
+  for (Index j = 0; j < samples.size(); ++j) {
+    sum += detail::mix_bits(bits_of(samples.squared_distance(i, j)));
+  }
+  const auto number = static_cast<std::uint64_t>(samples.input_index(i));
+  return hash_to_unit(sum) + share_of_numbers * hash_to_unit(number);
+}
 
 /// The local regions of one thread, one sample after the other.
 template <int K>
@@ -564,7 +578,7 @@ void compute_all(const Samples& samples, const NeighborSearch& search,
     const detail::Timed timed(result.coordinate_seconds);
     weights = tie_weights(samples, neighborhoods);
   }
-  detail::PerThread<Kernel> kernels([&] {
+  detail::ThreadScratch<Kernel> kernels([&] {
     return Kernel(samples, search, neighborhoods, tangents, weights, execution);
   });
   const Offset n = samples.size();
@@ -579,28 +593,29 @@ void compute_all(const Samples& samples, const NeighborSearch& search,
   result.squared_radii.assign(n, std::numeric_limits<double>::quiet_NaN());
 
   const auto work = [&](Block& block, Offset begin, Offset end) {
-    Kernel& kernel = kernels.local();
-    for (Offset i = begin; i < end; ++i) {
-      execution.poll();
-      if ((i - begin) % kGroup == 0) {
-        kernel.read_ahead(static_cast<Index>(i),
-                          static_cast<Index>(std::min(end, i + kGroup)));
+    kernels.use([&](Kernel& kernel) {
+      for (Offset i = begin; i < end; ++i) {
+        execution.poll();
+        if ((i - begin) % kGroup == 0) {
+          kernel.read_ahead(static_cast<Index>(i),
+                            static_cast<Index>(std::min(end, i + kGroup)));
+        }
+        if (tangents.boundary[i] != 0) {
+          continue;
+        }
+        kernel.compute(static_cast<Index>(i));
+        const std::size_t before = block.edge_sets.size();
+        kernel.region().append_edge_set(block.edge_sets);
+        std::sort(block.edge_sets.begin() + static_cast<Offset>(before),
+                  block.edge_sets.end());
+        edge_counts[i + 1] = static_cast<Offset>(block.edge_sets.size() - before);
+        block.rows.clear();
+        star_counts[i + 1] = kernel.region().append_star(block.rows);
+        Star::pack(block.rows, block.edge_sets.data() + before, edge_counts[i + 1],
+                   block.stars);
+        result.squared_radii[i] = kernel.region().squared_radius();
       }
-      if (tangents.boundary[i] != 0) {
-        continue;
-      }
-      kernel.compute(static_cast<Index>(i));
-      const std::size_t before = block.edge_sets.size();
-      kernel.region().append_edge_set(block.edge_sets);
-      std::sort(block.edge_sets.begin() + static_cast<Offset>(before),
-                block.edge_sets.end());
-      edge_counts[i + 1] = static_cast<Offset>(block.edge_sets.size() - before);
-      block.rows.clear();
-      star_counts[i + 1] = kernel.region().append_star(block.rows);
-      Star::pack(block.rows, block.edge_sets.data() + before, edge_counts[i + 1],
-                 block.stars);
-      result.squared_radii[i] = kernel.region().squared_radius();
-    }
+    });
   };
   const Offset wave_length = num_blocks * block_length;
   for (Offset wave = 0; wave < n; wave += wave_length) {
@@ -618,11 +633,11 @@ void compute_all(const Samples& samples, const NeighborSearch& search,
       detail::reserve_for(result.stars, last, n);
     }
   }
-  for (const Kernel& kernel : kernels) {
+  kernels.for_each([&](const Kernel& kernel) {
     result.neighbors_used += kernel.neighbors_used();
     result.vacuous_constraints += kernel.vacuous_constraints();
     result.coordinate_seconds += kernel.coordinate_seconds();
-  }
+  });
   std::partial_sum(edge_counts.begin(), edge_counts.end(), edge_counts.begin());
   result.star_starts.assign(n + 1, 0);
   for (Offset i = 0; i < n; ++i) {
@@ -718,9 +733,7 @@ std::vector<double> tie_weights(const Samples& samples,
   if (samples.has_points()) {
     weigh(PositionHash(samples));
   } else {
-    weigh([&](Index i) {
-      return hash_to_unit(static_cast<std::uint64_t>(samples.input_index(i)));
-    });
+    weigh([&](Index i) { return hash_of_distances(samples, i); });
   }
   return weights;
 }

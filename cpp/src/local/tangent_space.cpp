@@ -4,6 +4,7 @@
 #include "base/assertions.hpp"
 #include "base/dispatch.hpp"
 #include "base/parallel.hpp"
+#include "base/per_thread.hpp"
 #include "base/tolerance.hpp"
 #include "local/enclosing_simplex.hpp"
 #include "local/frame_fit.hpp"
@@ -256,16 +257,18 @@ TangentSpaces compute_tangent_spaces(const Samples& samples,
   detail::begin_step(execution, Step::kTangentSpaces, samples.size());
   const auto run = [&](auto k, auto d) {
     using Kernel = TangentKernel<decltype(k)::value, decltype(d)::value>;
-    detail::PerThread<Kernel> kernels(
+    detail::ThreadScratch<Kernel> kernels(
         [&] { return Kernel(samples, neighborhoods, count, options, execution); });
     detail::for_each_block(samples.size(), group_size(options.dim), execution,
                            [&](Offset begin, Offset end) {
-                             kernels.local().compute(static_cast<Index>(begin),
-                                                     static_cast<Index>(end), result);
+                             kernels.use([&](Kernel& kernel) {
+                               kernel.compute(static_cast<Index>(begin),
+                                              static_cast<Index>(end), result);
+                             });
                            });
-    for (const Kernel& kernel : kernels) {
+    kernels.for_each([&](const Kernel& kernel) {
       result.coordinate_seconds += kernel.coordinate_seconds();
-    }
+    });
   };
   detail::dispatch_dim(options.dim, [&](auto k) {
     if constexpr (k == 1 || k == 2) {

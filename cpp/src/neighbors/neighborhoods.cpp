@@ -4,6 +4,8 @@
 
 #include "base/assertions.hpp"
 #include "base/parallel.hpp"
+#include "base/per_thread.hpp"
+#include "neighbors/flann_allocator.hpp"
 #include "neighbors/neighbor_search.hpp"
 #include "neighbors/shared_candidates.hpp"
 #include "remanifold/verify.hpp"
@@ -40,6 +42,15 @@ struct SquaredEuclidean {
   }
   double accum_dist(double a, double b, int /*axis*/) const {
     return (a - b) * (a - b);
+  }
+};
+
+/// The same, and looks for cancellation while a tree is built.
+struct PolledSquaredEuclidean : SquaredEuclidean {
+  template <class A, class B>
+  double operator()(A a, B b, std::size_t size, double worst = -1) const {
+    flann::PooledAllocator::poll();
+    return SquaredEuclidean::operator()(a, b, size, worst);
   }
 };
 
@@ -151,19 +162,29 @@ constexpr int kFewCoordinates = 8;
 /// Larger neighborhoods are not shared: sorting them would cost more than finding them.
 constexpr Index kMostShared = 64;
 
-template <class FlannIndex>
+template <template <class> class Tree, class Distance>
 class FlannSearch final : public NeighborSearch::Implementation {
  public:
   FlannSearch(const Samples& samples, const flann::IndexParams& parameters,
               flann::SearchParams search_parameters, bool exact,
-              SquaredEuclidean distance = {})
+              const Execution& execution, Distance distance = {})
       : samples_(samples),
         exact_(exact),
-        index_(flann::Matrix<double>(const_cast<double*>(samples.point(0)),
-                                     samples.size(), samples.ambient_dim()),
-               parameters, distance),
+        index_(std::make_unique<Tree<Distance>>(
+            flann::Matrix<double>(const_cast<double*>(samples.point(0)), samples.size(),
+                                  samples.ambient_dim()),
+            parameters, distance)),
         search_parameters_(search_parameters) {
-    index_.buildIndex();
+    const flann::PooledAllocator::Polled polled(execution);
+    try {
+      index_->buildIndex();
+    } catch (...) {
+      // The destructor of the k-means tree follows children that are not there yet.
+      if (!exact) {
+        static_cast<void>(index_.release());
+      }
+      throw;
+    }
   }
 
   std::unique_ptr<NeighborSearch::Query> query(
@@ -194,8 +215,8 @@ class FlannSearch final : public NeighborSearch::Implementation {
       if (shared) {
         if (!shared_.contains(x) && shared_.gather(x, end_, count)) {
           Ball ball(shared_);
-          search_.index_.findNeighbors(ball, shared_.center(),
-                                       search_.search_parameters_);
+          search_.index_->findNeighbors(ball, shared_.center(),
+                                        search_.search_parameters_);
         }
         if (shared_.contains(x) && shared_.nearest(x, count, out)) {
           shared_.observe(out.back().squared_distance);
@@ -221,7 +242,7 @@ class FlannSearch final : public NeighborSearch::Implementation {
               std::vector<Neighbor>& out) {
       set_.reset(self, count, squared_radius, out);
       if (count > 0) {
-        search_.index_.findNeighbors(set_, position, search_.search_parameters_);
+        search_.index_->findNeighbors(set_, position, search_.search_parameters_);
         set_.finish();
       }
     }
@@ -234,18 +255,20 @@ class FlannSearch final : public NeighborSearch::Implementation {
 
   const Samples& samples_;
   bool exact_;
-  FlannIndex index_;
+  std::unique_ptr<Tree<Distance>> index_;
   flann::SearchParams search_parameters_;
 };
 
 std::unique_ptr<NeighborSearch::Implementation> make_kd_tree(
-    const Samples& samples, SquaredEuclidean distance = {}) {
+    const Samples& samples, const Execution& execution,
+    SquaredEuclidean distance = {}) {
   flann::SearchParams parameters(flann::FLANN_CHECKS_UNLIMITED);
   // The tree compares sums that were rounded on the way down with exact distances; a
   // little slack keeps it from passing over a branch that holds a tie.
   parameters.eps = -1e-5F;
-  return std::make_unique<FlannSearch<flann::KDTreeSingleIndex<SquaredEuclidean>>>(
-      samples, flann::KDTreeSingleIndexParams(10), parameters, true, distance);
+  return std::make_unique<FlannSearch<flann::KDTreeSingleIndex, SquaredEuclidean>>(
+      samples, flann::KDTreeSingleIndexParams(10), parameters, true, execution,
+      distance);
 }
 
 /// A distance in the tree costs as much as this many in a matrix product (measured, with
@@ -261,7 +284,7 @@ constexpr Index kNeverTree = 4096;
 /// counted, so that the same input always makes the same choice.
 bool is_tree_slow(const Samples& samples, const Execution& execution) {
   Offset calls = 0;
-  const auto tree = make_kd_tree(samples, SquaredEuclidean{&calls});
+  const auto tree = make_kd_tree(samples, execution, SquaredEuclidean{&calls});
   const auto query = tree->query(execution);
   std::vector<Neighbor> found;
   const Index probes = std::min(kProbes, samples.size());
@@ -274,14 +297,14 @@ bool is_tree_slow(const Samples& samples, const Execution& execution) {
          static_cast<Offset>(probes) * samples.size();
 }
 
-std::unique_ptr<NeighborSearch::Implementation> make_approximate(const Samples& samples,
-                                                                 int checks) {
+std::unique_ptr<NeighborSearch::Implementation> make_approximate(
+    const Samples& samples, int checks, const Execution& execution) {
   // Randomized kd-trees draw from std::random_device, so that no two builds are alike.
   // The k-means tree with Gonzales' centers draws one number from std::rand.
   flann::seed_random(1);
-  return std::make_unique<FlannSearch<flann::KMeansIndex<SquaredEuclidean>>>(
+  return std::make_unique<FlannSearch<flann::KMeansIndex, PolledSquaredEuclidean>>(
       samples, flann::KMeansIndexParams(32, 11, flann::FLANN_CENTERS_GONZALES, 0.2F),
-      flann::SearchParams(checks), false);
+      flann::SearchParams(checks), false, execution);
 }
 
 SearchMethod choose(const Samples& samples, SearchMethod method,
@@ -312,10 +335,10 @@ NeighborSearch::NeighborSearch(const Samples& samples, SearchOptions options,
   execution.poll();
   switch (method_) {
     case SearchMethod::kKdTree:
-      implementation_ = make_kd_tree(samples);
+      implementation_ = make_kd_tree(samples, execution);
       break;
     case SearchMethod::kApproximate:
-      implementation_ = make_approximate(samples, options.checks);
+      implementation_ = make_approximate(samples, options.checks, execution);
       break;
     default:
       implementation_ = detail::make_brute_force(samples);
@@ -344,34 +367,35 @@ void search_rows(const Samples& samples, const NeighborSearch& search,
     std::unique_ptr<NeighborSearch::Query> query;
     std::vector<Neighbor> list;
   };
-  detail::PerThread<Scratch> scratch;
+  detail::ThreadScratch<Scratch> scratch;
   detail::for_each_block(
       samples.size(), search.block_size(), execution, [&](Offset begin, Offset end) {
-        Scratch& local = scratch.local();
-        bool prepared = false;
-        for (Offset i = begin; i < end; ++i) {
-          const auto row = result.indices.begin() + i * result.count;
-          if (known(static_cast<Index>(i), row)) {
-            continue;
+        scratch.use([&](Scratch& local) {
+          bool prepared = false;
+          for (Offset i = begin; i < end; ++i) {
+            const auto row = result.indices.begin() + i * result.count;
+            if (known(static_cast<Index>(i), row)) {
+              continue;
+            }
+            if (!local.query) {
+              local.query = search.query(execution);
+            }
+            if (!prepared) {
+              local.query->prepare(static_cast<Index>(begin), static_cast<Index>(end));
+              prepared = true;
+            }
+            local.query->nearest(static_cast<Index>(i), result.count,
+                                 std::numeric_limits<double>::infinity(), local.list);
+            if (static_cast<Index>(local.list.size()) < result.count) {
+              throw std::runtime_error(
+                  "the search found " + std::to_string(local.list.size()) +
+                  " neighbors instead of " + std::to_string(result.count) +
+                  "; raise checks or search exactly");
+            }
+            std::transform(local.list.begin(), local.list.end(), row,
+                           [](const Neighbor& neighbor) { return neighbor.index; });
           }
-          if (!local.query) {
-            local.query = search.query(execution);
-          }
-          if (!prepared) {
-            local.query->prepare(static_cast<Index>(begin), static_cast<Index>(end));
-            prepared = true;
-          }
-          local.query->nearest(static_cast<Index>(i), result.count,
-                               std::numeric_limits<double>::infinity(), local.list);
-          if (static_cast<Index>(local.list.size()) < result.count) {
-            throw std::runtime_error(
-                "the search found " + std::to_string(local.list.size()) +
-                " neighbors instead of " + std::to_string(result.count) +
-                "; raise checks or search exactly");
-          }
-          std::transform(local.list.begin(), local.list.end(), row,
-                         [](const Neighbor& neighbor) { return neighbor.index; });
-        }
+        });
       });
 }
 

@@ -3,6 +3,7 @@
 // detail::squared_distance(), each of whose four sums is an element of a vector here; wider
 // registers then change nothing but the time.
 #include "base/parallel.hpp"
+#include "base/per_thread.hpp"
 #include "neighbors/shortlists.hpp"
 #include "samples/distance.hpp"
 
@@ -197,11 +198,12 @@ std::vector<double> measure_shortlists(const Samples& samples, const Csr& lists,
     return distances;
   }
   const bool share = samples.ambient_dim() >= kShareFrom;
-  PerThread<BlockDistances> blocks(
+  ThreadScratch<BlockDistances> blocks(
       [&] { return BlockDistances(samples, lists, share, distances); });
   for_each_block_uncounted(n, kRows, execution, [&](Offset begin, Offset end) {
-    blocks.local().compute(static_cast<Index>(begin), static_cast<Index>(end),
-                           execution);
+    blocks.use([&](BlockDistances& block) {
+      block.compute(static_cast<Index>(begin), static_cast<Index>(end), execution);
+    });
   });
   if (share) {
     for_each_block_uncounted(n, kRows, execution, [&](Offset begin, Offset end) {

@@ -3,6 +3,7 @@
 
 #include "base/aligned_array.hpp"
 #include "base/parallel.hpp"
+#include "base/per_thread.hpp"
 #include "neighbors/neighbor_search.hpp"
 #include "samples/products.hpp"
 
@@ -99,12 +100,13 @@ class Products {
       const Offset rows =
           std::clamp(kBlockElements / padded_ / kPanel * kPanel, kPanel, kTile);
       blocks.resize((n_ + rows - 1) / rows);
-      PerThread<AlignedArray<T>> scratch(
+      ThreadScratch<AlignedArray<T>> scratch(
           [&] { return AlignedArray<T>(rows * padded_); });
       for_each_block(n_, rows, execution_, [&](Offset begin, Offset end) {
-        T* products = scratch.local().data();
-        multiply(begin, round_up(end, kPanel), 0, padded_, products, padded_);
-        list_rows(begin, end, products, sizes, blocks[begin / rows]);
+        scratch.use([&](AlignedArray<T>& products) {
+          multiply(begin, round_up(end, kPanel), 0, padded_, products.data(), padded_);
+          list_rows(begin, end, products.data(), sizes, blocks[begin / rows]);
+        });
       });
     }
     if (give_up_ && too_many_long()) {
@@ -177,7 +179,8 @@ class Products {
   AlignedArray<T> multiply_all() const {
     AlignedArray<T> all(padded_ * padded_);
     const Offset tiles = (padded_ + kTile - 1) / kTile;
-    PerThread<AlignedArray<T>> scratch([] { return AlignedArray<T>(kTile * kTile); });
+    ThreadScratch<AlignedArray<T>> scratch(
+        [] { return AlignedArray<T>(kTile * kTile); });
     for_each_block_uncounted(
         tiles * (tiles + 1) / 2, 1, execution_, [&](Offset t, Offset) {
           Offset i = 0;
@@ -188,20 +191,22 @@ class Products {
           const Offset second = (i + t) * kTile;
           const Offset rows = std::min(kTile, padded_ - first);
           const Offset columns = std::min(kTile, padded_ - second);
-          T* tile = scratch.local().data();
-          multiply(first, first + rows, second, second + columns, tile, kTile);
-          for (Offset r = 0; r < rows; ++r) {
-            std::copy_n(tile + r * kTile, columns,
-                        all.data() + (first + r) * padded_ + second);
-          }
-          if (first != second) {
-            for (Offset c = 0; c < columns; ++c) {
-              T* out = all.data() + (second + c) * padded_ + first;
-              for (Offset r = 0; r < rows; ++r) {
-                out[r] = tile[r * kTile + c];
+          scratch.use([&](AlignedArray<T>& memory) {
+            T* const tile = memory.data();
+            multiply(first, first + rows, second, second + columns, tile, kTile);
+            for (Offset r = 0; r < rows; ++r) {
+              std::copy_n(tile + r * kTile, columns,
+                          all.data() + (first + r) * padded_ + second);
+            }
+            if (first != second) {
+              for (Offset c = 0; c < columns; ++c) {
+                T* out = all.data() + (second + c) * padded_ + first;
+                for (Offset r = 0; r < rows; ++r) {
+                  out[r] = tile[r * kTile + c];
+                }
               }
             }
-          }
+          });
         });
     return all;
   }

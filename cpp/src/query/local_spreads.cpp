@@ -3,6 +3,7 @@
 
 #include "base/decompositions.hpp"
 #include "base/parallel.hpp"
+#include "base/per_thread.hpp"
 #include "local/parabola.hpp"
 
 #include <Eigen/Core>
@@ -116,15 +117,16 @@ void measure_all(const MatrixView& points, const NeighborRows& rows,
                  const std::vector<Index>& sizes, int num_spreads,
                  const Execution& execution, std::vector<double>& out) {
   const std::size_t row_size = sizes.size() * num_spreads;
-  detail::PerThread<SpreadKernel<D>> kernels(
+  detail::ThreadScratch<SpreadKernel<D>> kernels(
       [&] { return SpreadKernel<D>(points, sizes, num_spreads); });
   detail::for_each_block_uncounted(
       rows.count, kBlock, execution, [&](Offset begin, Offset end) {
-        SpreadKernel<D>& kernel = kernels.local();
-        for (Offset i = begin; i < end; ++i) {
-          kernel.measure(rows.samples[i], rows.neighbors + i * rows.width,
-                         out.data() + i * row_size);
-        }
+        kernels.use([&](SpreadKernel<D>& kernel) {
+          for (Offset i = begin; i < end; ++i) {
+            kernel.measure(rows.samples[i], rows.neighbors + i * rows.width,
+                           out.data() + i * row_size);
+          }
+        });
       });
 }
 

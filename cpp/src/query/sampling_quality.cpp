@@ -4,6 +4,7 @@
 #include "base/decompositions.hpp"
 #include "base/parallel.hpp"
 #include "base/parallel_csr.hpp"
+#include "base/per_thread.hpp"
 #include "base/small_systems.hpp"
 #include "complex/simplex_rows.hpp"
 #include "local/frame_fit.hpp"
@@ -809,18 +810,19 @@ SamplingQuality measure_quality(const Samples& samples, const NeighborSearch& se
   out.rim = result.rim;
   const auto run = [&](auto k, auto d) {
     using Kernel = QualityKernel<decltype(k)::value, decltype(d)::value>;
-    detail::PerThread<Kernel> kernels([&] {
+    detail::ThreadScratch<Kernel> kernels([&] {
       return Kernel(samples, neighborhoods, scales, result, dim, narrow, wide,
                     tangents);
     });
     detail::for_each_block_uncounted(n, kGroup, execution,
                                      [&](Offset begin, Offset end) {
-                                       Kernel& kernel = kernels.local();
-                                       for (Offset i = begin; i < end; ++i) {
-                                         const auto x = static_cast<Index>(i);
-                                         kernel.measure(x, out);
-                                         shape.write(x, out);
-                                       }
+                                       kernels.use([&](Kernel& kernel) {
+                                         for (Offset i = begin; i < end; ++i) {
+                                           const auto x = static_cast<Index>(i);
+                                           kernel.measure(x, out);
+                                           shape.write(x, out);
+                                         }
+                                       });
                                      });
   };
   // Surfaces in space, which are most of what is judged, have code of their own; for the

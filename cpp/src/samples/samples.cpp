@@ -3,6 +3,7 @@
 
 #include "base/aligned_array.hpp"
 #include "base/parallel.hpp"
+#include "base/per_thread.hpp"
 #include "base/tolerance.hpp"
 #include "samples/distance.hpp"
 #include "samples/known_distances.hpp"
@@ -78,19 +79,20 @@ struct Extents {
 Extents check_and_measure(MatrixView points, const Execution& execution) {
   const std::vector<double> first(points.row(0), points.row(0) + points.cols);
   const Extents start{first, first};
-  detail::PerThread<Extents> of_thread(start);
+  detail::ThreadScratch<Extents> of_thread(start);
   detail::for_each_block(points.rows, block_of(points.cols), execution,
                          [&](Offset begin, Offset end) {
-                           Extents& extents = of_thread.local();
-                           for (Offset i = begin; i < end; ++i) {
-                             check_row(points, i, "points");
-                             extents.add(points.row(i), points.row(i));
-                           }
+                           of_thread.use([&](Extents& extents) {
+                             for (Offset i = begin; i < end; ++i) {
+                               check_row(points, i, "points");
+                               extents.add(points.row(i), points.row(i));
+                             }
+                           });
                          });
   Extents all = start;
-  for (const Extents& extents : of_thread) {
+  of_thread.for_each([&](const Extents& extents) {
     all.add(extents.low.data(), extents.high.data());
-  }
+  });
   return all;
 }
 
@@ -141,6 +143,12 @@ Samples Samples::from_points(MatrixView points, const Execution& execution) {
   samples.ambient_dim_ = static_cast<int>(dim);
   samples.scale_ = power_of_two_above(largest);
   samples.inverse_scale_ = 1.0 / samples.scale_;
+
+  for (Offset j = 0; j < dim; ++j) {
+    if (low[j] != high[j]) {
+      samples.varying_axes_.push_back(static_cast<int>(j));
+    }
+  }
 
   // Morton code of the three longest axes.
   std::array<Offset, 3> axes{};
@@ -402,6 +410,15 @@ Samples Samples::without(const std::vector<Index>& left_out) const {
       }
     }
     result.points_ = {memory, memory->data()};
+    result.varying_axes_.clear();
+    for (const int axis : varying_axes_) {
+      for (Index i = 1; i < result.size(); ++i) {
+        if (result.point(i)[axis] != result.point(0)[axis]) {
+          result.varying_axes_.push_back(axis);
+          break;
+        }
+      }
+    }
   }
   return result;
 }

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Neither the order of the samples nor the exact search that is used decides anything."""
+"""What is not of the samples' geometry decides nothing: order, place, empty axes, search."""
 
 from __future__ import annotations
 
@@ -86,6 +86,48 @@ def test_the_order_of_the_samples_decides_nothing(name):
     shuffled = rm.reconstruct(points[order], dim).simplices
     assert len(as_given) > 0
     np.testing.assert_array_equal(canonical(as_given), canonical(order[shuffled]))
+
+
+def on_a_grid(name):
+    """Coordinates to which small whole numbers can be added without rounding."""
+    points, dim = SAMPLES[name]
+    return np.round(points * 2.0**20) / 2.0**20, dim
+
+
+@pytest.mark.parametrize("name", ["square lattice, rounded", "regular polygon", "cap"])
+@pytest.mark.parametrize("kind", ["gram", "distances"])
+def test_the_order_of_products_decides_nothing(name, kind):
+    points, dim = SAMPLES[name]
+    matrix = np.einsum("ik,jk->ij", points, points) if kind == "gram" else None
+    if matrix is None:
+        matrix = np.linalg.norm(points[:, None] - points, axis=2)
+    order = np.random.default_rng(3).permutation(len(points))
+    as_given = rm.reconstruct(**{kind: matrix}, dim=dim).simplices
+    shuffled = rm.reconstruct(**{kind: matrix[np.ix_(order, order)]}, dim=dim).simplices
+    np.testing.assert_array_equal(canonical(as_given), canonical(order[shuffled]))
+
+
+PLACED = ["square lattice, rounded", "lattice on a torus", "noisy trefoil", "cap"]
+
+
+@pytest.mark.parametrize("name", PLACED)
+def test_where_the_samples_lie_decides_nothing(name):
+    points, dim = on_a_grid(name)
+    expected = rm.reconstruct(points, dim).simplices
+    moved = rm.reconstruct(points + 4.0, dim).simplices
+    np.testing.assert_array_equal(canonical(moved), canonical(expected))
+    scaled = rm.reconstruct(points * 2.0**-7, dim).simplices
+    np.testing.assert_array_equal(scaled, expected)
+
+
+@pytest.mark.parametrize("name", PLACED)
+@pytest.mark.parametrize("more", [1, 9])
+def test_axes_without_extent_decide_nothing(name, more):
+    """Noise was shared out among them as well, and candidates were others."""
+    points, dim = on_a_grid(name)
+    expected = rm.reconstruct(points, dim).simplices
+    padded = rm.reconstruct(np.pad(points, [(0, 0), (0, more)]), dim).simplices
+    np.testing.assert_array_equal(canonical(padded), canonical(expected))
 
 
 @pytest.mark.parametrize("name", SAMPLES)
