@@ -194,7 +194,12 @@ class _Scene:
         """Edges or triangles of a primitive; none of points."""
         mode = primitive.get("mode", 4)
         if "indices" in primitive:
-            corners = self._array(primitive["indices"]).ravel().astype(np.int64)
+            array = self._array(primitive["indices"]).ravel()
+            if array.dtype.kind not in "iu":
+                self.source.fail(
+                    "is damaged: the indices of a primitive are no integers"
+                )
+            corners = array.astype(np.int64)
         else:
             corners = np.arange(count)
         if mode in (1, 4):

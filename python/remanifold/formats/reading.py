@@ -255,9 +255,10 @@ def read_file(
     suffix = _checked_suffix(path, format, known)
     source = Source(path, suffix, asked, cells)
     try:
-        with _damage(source):
+        # Casts of signaling NaN are invalid to the processor, and NaN all the same.
+        with _damage(source), np.errstate(invalid="ignore"):
             mesh = READERS[suffix](source, fields or asked is not None)
-        mesh.points = np.ascontiguousarray(mesh.points, dtype=np.float64)
+            mesh.points = np.ascontiguousarray(mesh.points, dtype=np.float64)
         if mesh.points.size == 0:
             source.fail("holds no points")
         if source.columns is not None:

@@ -144,5 +144,5 @@ FOUND = sorted((Path(__file__).parents[2] / "fuzz" / "corpus" / "readers").iterd
 
 @pytest.mark.parametrize("path", FOUND, ids=lambda path: path.name)
 def test_what_fuzzing_found(path):
-    """Each was once another error than one clear line; the names say which."""
+    """Each was once another error or warning than one clear line; the names say which."""
     assert try_all(path)
