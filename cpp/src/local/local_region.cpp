@@ -64,25 +64,17 @@ std::uint64_t bits_of(double value) {
 }
 
 /// A number in [0, 1) for each position, so that the order of the samples decides no tie.
-/// Axes on which all agree do not matter, nor where all lie together.
+/// Axes on which all agree do not matter.
 class PositionHash {
  public:
   explicit PositionHash(const Samples& samples)
-      : samples_(samples), axes_(samples.varying_axes()) {
-    for (const int axis : axes_) {
-      double low = samples.point(0)[axis];
-      for (Index i = 1; i < samples.size(); ++i) {
-        low = std::min(low, samples.point(i)[axis]);
-      }
-      low_.push_back(low);
-    }
-  }
+      : samples_(samples), axes_(samples.varying_axes()) {}
 
   double operator()(Index i) const {
     const double* point = samples_.point(i);
     std::uint64_t lanes[kLanes] = {1, 2, 3, 4};
     for (std::size_t j = 0; j < axes_.size(); ++j) {
-      const std::uint64_t bits = bits_of(point[axes_[j]] - low_[j]);
+      const std::uint64_t bits = bits_of(point[axes_[j]] + 0.0);  // one zero, not two
       std::uint64_t& lane = lanes[j % kLanes];
       lane = (lane ^ bits ^ bits >> 32) * 0x9e3779b97f4a7c15ULL;
     }
@@ -98,7 +90,6 @@ class PositionHash {
 
   const Samples& samples_;
   std::vector<int> axes_;
-  std::vector<double> low_;
 };
 
 /// The same where there are no positions: by the distances to all others, whatever their

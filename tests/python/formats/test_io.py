@@ -181,7 +181,7 @@ def test_npz_takes_points_or_the_only_matrix(tmp_path):
         ({"a": np.zeros(3)}, r"found a \(3,\)"),
         ({"points": np.zeros(3), "b": np.zeros((4, 5))}, r"'points' has shape \(3,\)"),
         ({"points": np.array([["a", "b"]])}, "holds <U1, expected numbers"),
-        ({"points": np.array([[None, {}]])}, "damaged"),
+        ({"points": np.array([[None, {}]])}, "holds Python objects"),
         ({"points": np.zeros((0, 3))}, "holds no points"),
     ],
 )
