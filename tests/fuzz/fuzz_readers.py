@@ -24,7 +24,6 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 FOUND = ROOT / "build" / "fuzz"
 sys.path.insert(0, str(ROOT / "tests" / "python" / "formats"))
-sys.path.insert(0, str(ROOT / "python"))
 
 try:
     import atheris
