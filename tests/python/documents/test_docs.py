@@ -66,7 +66,7 @@ QUOTED = (
     ("how_it_works.md", "| 1.5 | 2 |", "| 1.5 | both stay open |"),
     ("how_it_works.md", "| 4.0 | 1 |", "| 2.0 to 4.0 | the gap is closed"),
     ("how_it_works.md", "| 5.0 | 0 |", "| 5.0 and more | both are closed |"),
-    ("how_it_works.md", "in h of its rim | 4.6 |", "an opening of 4.6 scales"),
+    ("how_it_works.md", "in h of its rim | 4.5 |", "an opening of 4.5 scales"),
     ("how_it_works.md", "radius of the gap in median h | 2.0 |", "a gap of 2.0"),
     ("how_it_works.md", "11.62° | 6.65° | 1.80°", 'that of `"pca"` 6.65'),
     ("how_it_works.md", "1.80° | 1.08° | 0.04°", "0.04, 1.08 and 1.80"),
