@@ -58,6 +58,13 @@ T quantile(std::vector<T> values, double share) {
   return *at;
 }
 
+/// The median, of an even number the upper one. Reorders the values.
+double middle_of(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<Offset>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 class OutlierFinder {
  public:
   OutlierFinder(const Samples& samples, const NeighborSearch& search,
@@ -137,15 +144,15 @@ class OutlierFinder {
     for (Index k = 0; k < neighborhoods_.count && as_index(near) < count; ++k) {
       take(known[k]);
     }
-    if (as_index(near) < count) {
-      near.clear();
-      for (const Index y : wide(x, scratch)) {
-        if (as_index(near) < count) {
-          take(y);
-        }
-      }
+    if (as_index(near) >= count) {
+      return;
     }
-    Index asked = std::max(neighborhoods_.count, count);
+    near.clear();
+    const std::vector<Index>& more = wide(x, scratch);
+    for (std::size_t k = 0; k < more.size() && as_index(near) < count; ++k) {
+      take(more[k]);
+    }
+    Index asked = std::max(as_index(more), count);
     while (as_index(near) < count && asked < 2 * samples_.size()) {
       asked *= 2;
       search(x, asked, scratch);
@@ -246,9 +253,7 @@ class OutlierFinder {
     for (const Index y : scratch.near) {
       around.push_back(values[y]);
     }
-    const auto middle = around.begin() + static_cast<Offset>(around.size() / 2);
-    std::nth_element(around.begin(), middle, around.end());
-    return *middle;
+    return middle_of(around);
   }
 
   /// The scale at x; where samples are dense along curves and sparse across them, the
@@ -301,9 +306,7 @@ class OutlierFinder {
     for (const Index y : around) {
       values.push_back(scale_across(y, scratch));
     }
-    const auto middle = values.begin() + static_cast<Offset>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
+    return middle_of(values);
   }
 
   struct Unit {

@@ -23,6 +23,40 @@ using Factors = detail::SymmetricFactors<Eigen::Dynamic, kMaxDim>;
 using Small = Factors::Matrix;
 using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxDim, 1>;
 
+/// Inner products of the edges from the first vertex of a simplex.
+struct Edges {
+  Edges(const Samples& samples, const Index* vertices, int dim) : gram(dim, dim) {
+    for (int i = 0; i < dim; ++i) {
+      gram(i, i) = samples.squared_distance(vertices[0], vertices[i + 1]);
+      squares += gram(i, i);
+    }
+    for (int i = 0; i < dim; ++i) {
+      for (int j = 0; j < i; ++j) {
+        const double squared =
+            samples.squared_distance(vertices[i + 1], vertices[j + 1]);
+        squares += squared;
+        gram(i, j) = gram(j, i) = (gram(i, i) + gram(j, j) - squared) / 2;
+      }
+      product *= gram(i, i);
+    }
+    factors.compute(gram);
+  }
+
+  bool are_flat() const { return !(factors.determinant() > kFlat * product); }
+
+  /// Barycentric coordinates of the circumcenter but for that of the first vertex.
+  SmallVector center() {
+    SmallVector weights = gram.diagonal() / 2;
+    factors.solve(weights);
+    return weights;
+  }
+
+  Small gram;
+  Factors factors;
+  double squares = 0;  ///< of all edges, summed
+  double product = 1;  ///< of the diagonal
+};
+
 }  // namespace
 
 std::vector<double> local_scales(const Samples& samples,
@@ -102,37 +136,20 @@ SimplexMeasures SimplexRuler::measure(const Index* vertices, int arity) const {
                               : std::numeric_limits<double>::infinity();
     return result;
   }
-  Small gram(dim, dim);
-  for (int i = 0; i < dim; ++i) {
-    gram(i, i) = samples_.squared_distance(vertices[0], vertices[i + 1]);
-    result.squared_edges += gram(i, i);
-  }
-  double product = 1;
-  for (int i = 0; i < dim; ++i) {
-    for (int j = 0; j < i; ++j) {
-      const double squared =
-          samples_.squared_distance(vertices[i + 1], vertices[j + 1]);
-      result.squared_edges += squared;
-      gram(i, j) = gram(j, i) = (gram(i, i) + gram(j, j) - squared) / 2;
-    }
-    product *= gram(i, i);
-  }
-  Factors factors;
-  factors.compute(gram);
-  const double determinant = factors.determinant();
+  Edges edges(samples_, vertices, dim);
+  result.squared_edges = edges.squares;
+  const double determinant = edges.factors.determinant();
   double factorial = 1;
   for (int i = 2; i <= dim; ++i) {
     factorial *= i;
   }
   result.volume = determinant > 0 ? std::sqrt(determinant) / factorial : 0;
-  if (!(determinant > kFlat * product)) {
+  if (edges.are_flat()) {
     result.circumradius = std::numeric_limits<double>::infinity();
     return result;
   }
-  const SmallVector half = gram.diagonal() / 2;
-  SmallVector weights = half;
-  factors.solve(weights);
-  result.circumradius = std::sqrt(std::max(0.0, half.dot(weights)));
+  const SmallVector half = edges.gram.diagonal() / 2;
+  result.circumradius = std::sqrt(std::max(0.0, half.dot(edges.center())));
   return result;
 }
 
@@ -142,26 +159,11 @@ bool SimplexRuler::holds_center(const Index* vertices, int arity,
   if (dim < 1 || dim > kMaxDim) {
     return false;
   }
-  Small gram(dim, dim);
-  double product = 1;
-  for (int i = 0; i < dim; ++i) {
-    gram(i, i) = samples_.squared_distance(vertices[0], vertices[i + 1]);
-    product *= gram(i, i);
-    for (int j = 0; j < i; ++j) {
-      gram(i, j) = gram(j, i) =
-          (gram(i, i) + gram(j, j) -
-           samples_.squared_distance(vertices[i + 1], vertices[j + 1])) /
-          2;
-    }
-  }
-  Factors factors;
-  factors.compute(gram);
-  if (!(factors.determinant() > kFlat * product)) {
+  Edges edges(samples_, vertices, dim);
+  if (edges.are_flat()) {
     return false;
   }
-  const SmallVector half = gram.diagonal() / 2;
-  SmallVector weights = half;
-  factors.solve(weights);
+  const SmallVector weights = edges.center();
   double first = 1;  // coordinate of the first vertex
   for (int i = 0; i < dim; ++i) {
     if (weights[i] < -tolerance) {

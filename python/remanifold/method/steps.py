@@ -175,8 +175,8 @@ def neighborhoods(
 
     Which of equally far samples is listed first, or at all, follows from where points are,
     not from their order: along a curve through all of them. Products and distances have
-    ties by index. Coinciding samples count as one: no row lists a copy of its own sample, and copies
-    stand in rows under their lowest index.
+    ties by index. Coinciding samples count as one: no row lists a copy of its own sample,
+    and copies stand in rows under their lowest index.
 
     Parameters
     ----------
