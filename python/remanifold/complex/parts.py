@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from remanifold._base.distinct import distinct
 from remanifold._base.validation import check_selection
 from remanifold.complex.data import ComplexData
 
@@ -24,7 +25,7 @@ class Part(ComplexData):
 
 def take(whole: ComplexData, simplices: NDArray[np.int32]) -> Part:
     """The part of a complex that has these simplices."""
-    used = np.unique(simplices).astype(np.int32)
+    used = distinct(simplices).astype(np.int32)
     products = None if whole._products is None else whole._products.subset(used)
     return Part(
         vertices=None if whole.vertices is None else whole.vertices[used],

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 
 from remanifold import _core
+from remanifold._base.distinct import distinct
 from remanifold._base.html import fragment, histogram
 from remanifold._base.read_only import ReadOnlyArrays
 from remanifold._base.samples import Points
@@ -402,7 +403,7 @@ def _verdict(
         )
     if reasons[0].kind in ("singular", "noise"):
         return reasons[0].text
-    marked = np.unique(np.concatenate([reason.samples for reason in reasons]))
+    marked = distinct(np.concatenate([reason.samples for reason in reasons]))
     parts = [reasons[0].text]
     if len(marked):
         head = f"sampling is too sparse at {len(marked):,} of {of}"

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from remanifold import _core
+from remanifold._base.distinct import distinct
 from remanifold._base.samples import Points
 from remanifold.judging.findings import Findings, Sign
 from remanifold.judging.removal import mark_rows, removal_changes
@@ -93,7 +94,7 @@ def singular_signs(
         if place.kind != KINDS[LOWER] or not is_covered(found, place.samples)
     ]
     if places:
-        marked = np.unique(np.concatenate([place.samples for place in places]))
+        marked = distinct(np.concatenate([place.samples for place in places]))
         yield Sign(
             True,
             verdict_on(found.dim, places),
@@ -304,7 +305,7 @@ def _out_of_time(found: Findings) -> Iterator[Sign]:
             True,
             f"max_seconds were over before {count_of(number, 'program')} of cavities: "
             "what they would have filled is open",
-            np.unique(found.repair.open_faces).astype(np.int64),
+            distinct(found.repair.open_faces).astype(np.int64),
         )
 
 
@@ -339,7 +340,7 @@ def is_only_boundary(rec: ReconstructionData) -> bool:
     """
     if not rec.ambient_dim == rec.dim > 1:
         return False
-    rim = rec.boundary[np.unique(rec.simplices)]
+    rim = rec.boundary[distinct(rec.simplices)]
     return len(rim) >= 4 * (rec.dim + 1) and bool(rim.all())
 
 
@@ -434,7 +435,7 @@ def _crossings(found: Findings) -> Iterator[Sign]:
             True,
             f"{count_of(len(crossing), 'edge')} longer than the spacing right by other "
             "samples: parts of the manifold may have been joined that are not",
-            np.unique(crossing).astype(np.int64),
+            distinct(crossing).astype(np.int64),
         )
 
 
@@ -566,7 +567,7 @@ def _openings(found: Findings) -> Iterator[Sign]:
     strong = bool((share < limits.opening).any())
     narrow = share < (limits.opening if strong else limits.some_opening)
     if narrow.any():
-        rims = np.unique(faces[narrow[sets]]).astype(np.int64)
+        rims = distinct(faces[narrow[sets]]).astype(np.int64)
         yield Sign(
             strong,
             f"{count_of(int(narrow.sum()), 'opening')} narrower than the hole radius may "
@@ -586,7 +587,7 @@ def _described(opening: Opening) -> str:
 
 def _samples_of(openings: list[Opening]) -> NDArray[np.int64]:
     samples = np.concatenate([opening.samples for opening in openings])
-    return np.unique(samples).astype(np.int64)
+    return distinct(samples).astype(np.int64)
 
 
 def _matters(found: Findings, opening: Opening) -> bool:
@@ -623,7 +624,7 @@ def _necks(found: Findings) -> Iterator[Sign]:
         if _changes(found, removed):
             necks.append(rows[one])
     if necks:
-        samples = np.unique(np.concatenate(necks)).astype(np.int64)
+        samples = distinct(np.concatenate(necks)).astype(np.int64)
         yield Sign(
             True,
             f"{count_of(len(necks), 'neck')} without a sample inside: what it joins may "
@@ -666,7 +667,7 @@ def _strips(found: Findings) -> Iterator[Sign]:
             True,
             f"{count_of(len(strips), 'strip')} without a sample inside, next to a hole "
             "that was left open: what it joins may be apart",
-            np.unique(np.concatenate([rows.ravel() for rows in strips])).astype(
+            distinct(np.concatenate([rows.ravel() for rows in strips])).astype(
                 np.int64
             ),
         )
@@ -682,7 +683,7 @@ def _bridges(found: Findings) -> Iterator[Sign]:
     of_edge = np.repeat(at_rim, 3)
     edges, number = np.unique(edges.reshape(-1, 2), axis=0, return_inverse=True)
     inside = on_rim[edges].all(axis=1) & (np.bincount(number.ravel()) == 2)
-    crossed = np.unique(of_edge[inside[number.ravel()]])
+    crossed = distinct(of_edge[inside[number.ravel()]])
     if len(crossed) == 0:
         return
     rest = np.delete(rows, crossed, axis=0)
@@ -697,8 +698,8 @@ def _bridges(found: Findings) -> Iterator[Sign]:
     parts = _core.face_sets(between)
     bridges = []
     for part in range(int(parts.max()) + 1):
-        samples = np.unique(between[parts == part])
-        if len(np.unique(sheet[samples][sheet[samples] >= 0])) >= 2:
+        samples = distinct(between[parts == part])
+        if len(distinct(sheet[samples][sheet[samples] >= 0])) >= 2:
             bridges.append(samples)
     if bridges:
         yield Sign(

@@ -214,13 +214,15 @@ class Provenance(ReadOnlyArrays):
 
 def provenance_of(samples: Input, parameters: Mapping[str, Parameter]) -> Provenance:
     """Of a result that has just been made."""
+    system = platform.uname()
     return Provenance(
         parameters=Parameters(parameters),
         input=digest(samples.matrix),
         versions={
             "Python": platform.python_version(),
             "NumPy": np.__version__,
-            "platform": platform.platform(),
+            # platform.platform() starts a process to name the processor.
+            "platform": f"{system.system}-{system.release}-{system.machine}",
         },
         created=datetime.now(timezone.utc).isoformat(timespec="seconds"),
     )

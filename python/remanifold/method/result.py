@@ -11,6 +11,7 @@ import numpy as np
 
 from remanifold import _core
 from remanifold._base.digest import digest
+from remanifold._base.distinct import distinct
 from remanifold._base.html import fragment, shares
 from remanifold._base.read_only import ReadOnlyArrays
 from remanifold._base.text import one_line
@@ -281,7 +282,7 @@ class ReconstructionData(ComplexData):
     def left_out(self) -> NDArray[np.int32]:
         """`outliers`, `invalid` and `attached`: what no simplex is meant to have."""
         parts = (self.outliers, self.invalid, self.attached)
-        left_out = np.unique(np.concatenate(parts)).astype(np.int32)
+        left_out = distinct(np.concatenate(parts)).astype(np.int32)
         left_out.flags.writeable = False
         return left_out
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from remanifold import _core
+from remanifold._base.distinct import distinct
 from remanifold._base.progress import progress_callback
 from remanifold._base.samples import Points
 from remanifold._base.validation import (
@@ -373,7 +374,7 @@ def reconstruct_samples(
     used = Used(
         dim=k,
         found=found,
-        num_distinct=len(np.unique(result["representatives"])) - len(invalid),
+        num_distinct=len(distinct(result["representatives"])) - len(invalid),
         search=result["search"],
         hole_radius=report.get("hole_radius", float("nan")),
         smoothing=smoothing,
@@ -524,7 +525,7 @@ def _finish_report(
     unmarked = np.bincount(sets, ~marked) > np.bincount(sets) / 2
     in_hole = unmarked[sets]
     holes = int(np.count_nonzero(unmarked))
-    beyond = np.unique(report["open_faces"][~marked & ~in_hole])
+    beyond = distinct(report["open_faces"][~marked & ~in_hole])
     if rule == "given":
         beyond = beyond[~mask[beyond]]
     report |= {
