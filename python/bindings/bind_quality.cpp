@@ -73,6 +73,12 @@ py::array on_curve(const InputArray<double>& points, const InputArray<Index>& sa
   }));
 }
 
+int affine_dim(const InputArray<double>& points, int num_threads) {
+  return run(num_threads, py::none(), [&](const Execution& execution) {
+    return Samples::from_points(view(points), execution).affine_dim();
+  });
+}
+
 }  // namespace
 
 void bind_quality(py::module_& module) {
@@ -84,6 +90,7 @@ void bind_quality(py::module_& module) {
   module.def("local_spreads", &spreads, arg("points").noconvert(),
              arg("samples").noconvert(), arg("neighbors").noconvert(), arg("sizes"),
              arg("num_spreads"), arg("num_threads"));
+  module.def("affine_dim", &affine_dim, arg("points").noconvert(), arg("num_threads"));
   module.def("lie_on_curve", &on_curve, arg("points").noconvert(),
              arg("samples").noconvert(), arg("neighbors").noconvert(),
              arg("num_threads"));

@@ -179,6 +179,7 @@ def local_spreads(
     num_spreads: int,
     num_threads: int,
 ) -> NDArray[np.float64]: ...
+def affine_dim(points: NDArray[np.float64], num_threads: int) -> int: ...
 def lie_on_curve(
     points: NDArray[np.float64],
     samples: NDArray[np.int32],

@@ -51,6 +51,10 @@ class Samples {
   /// Coordinates in which points differ, ascending: the others, which are zero, decide
   /// nothing. Empty where only products are known.
   const std::vector<int>& varying_axes() const { return varying_axes_; }
+  /// Dimension of the smallest flat from which no sample is farther than a millionth of
+  /// the extent: a manifold may lie askew in more coordinates than it needs. Where samples
+  /// and coordinates are many, some samples stand for all. Points only.
+  int affine_dim() const;
   /// Canonical lengths times scale() are input lengths.
   double scale() const { return scale_; }
 

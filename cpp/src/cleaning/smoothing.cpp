@@ -276,7 +276,8 @@ class Smoother {
       : samples_(samples),
         options_(options),
         execution_(execution),
-        unknowns_(LocalQuadric::unknowns(options.dim)) {}
+        unknowns_(LocalQuadric::unknowns(options.dim)),
+        num_axes_(samples.affine_dim()) {}
 
   Smoothing run(const NeighborSearch& search) {
     const Choice choice = samples_.size() > unknowns_ ? choose(search) : Choice{};
@@ -312,7 +313,7 @@ class Smoother {
       result.points = project(moved, again, count);
       ++result.rounds;
     }
-    if (options_.only_noise && num_axes() - options_.dim == 1 &&
+    if (options_.only_noise && num_axes_ - options_.dim == 1 &&
         are_two_layers(squared_moves(result.points))) {
       result = judged(choice.narrow_noise, choice.narrow_risk, choice.fitting_dim);
       result.layers = true;
@@ -330,9 +331,8 @@ class Smoother {
     return result;
   }
 
-  int num_axes() const { return static_cast<int>(samples_.varying_axes().size()); }
-  /// Dimension of the normal space, of which coordinates without extent are no part.
-  int codim() const { return std::max(1, num_axes() - options_.dim); }
+  /// Dimension of the normal space, of which directions without extent are no part.
+  int codim() const { return std::max(1, num_axes_ - options_.dim); }
 
   std::vector<double> squared_moves(const std::vector<double>& points) const {
     const auto dim = static_cast<std::size_t>(samples_.ambient_dim());
@@ -470,7 +470,7 @@ class Smoother {
       return dim;
     }
     double wide = 0;
-    bool thick = num_axes() > dim;
+    bool thick = num_axes_ > dim;
     for (const Level& level : levels) {
       wide = std::max(wide, level.wide);
       thick = thick && level.thickness > kThick * kThick;
@@ -482,7 +482,7 @@ class Smoother {
       return dim;
     }
     const double filled = filled_dim(levels[levels.size() - 2], last);
-    return std::clamp(static_cast<int>(std::lround(filled)), dim + 1, num_axes());
+    return std::clamp(static_cast<int>(std::lround(filled)), dim + 1, num_axes_);
   }
 
   /// Whether larger neighborhoods fill K dimensions: samples may be dense along lines. What
@@ -752,6 +752,7 @@ class Smoother {
   const SmoothingOptions& options_;
   const Execution& execution_;
   int unknowns_;
+  int num_axes_;
   /// Variance; neighborhoods with more scatter are looked at once more.
   double noise_ = kEverywhere;
 };

@@ -172,14 +172,16 @@ def _no_noise(rec: ReconstructionData) -> Iterator[Sign]:
     """What smoothing took for noise though noise does not lie like that."""
     assert rec.smoothing is not None
     residuals = rec.residuals
-    if residuals is None or rec.ambient_dim is None or not rec.smoothing.noise > 0:
+    if residuals is None or rec.samples is None or not rec.smoothing.noise > 0:
         return
     smoothed = np.ones(rec.num_samples, dtype=bool)
     smoothed[rec.outliers] = smoothed[rec.invalid] = False
     if not smoothed.any():
         return
     squares = (residuals / rec.smoothing.noise) ** 2
-    normals = _normal_directions(squares[smoothed], rec.ambient_dim - rec.dim)
+    given = np.ascontiguousarray(rec.samples[smoothed], dtype=np.float64)
+    codim = _core.affine_dim(given, 1) - rec.dim
+    normals = _normal_directions(squares[smoothed], codim)
     if _has_layers(squares[smoothed], normals):
         yield Sign(
             True,
