@@ -5,9 +5,6 @@
 #include "remanifold/local_spreads.hpp"
 #include "remanifold/types.hpp"
 
-#include <Eigen/Core>
-#include <Eigen/QR>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -23,16 +20,23 @@ struct Chord {
   double largest_step = 0;
 };
 
+/// \param places   of a sample and its neighbors along their chord, in units of its length
+/// \param between  squared distances: of the second from the first, of the third from the
+///                 first and the second, and so on
+/// \returns whether some parabola over the chord is no farther off them than a tenth of
+///          their spread along it
+bool fits_parabola(
+    const std::array<double, kCurveNeighbors + 1>& places,
+    const std::array<double, kCurveNeighbors*(kCurveNeighbors + 1) / 2>& between,
+    double length);
+
 /// \param places   a sample and its neighbors, nearest first
 /// \param squared  squared distance of two of the places
 /// \returns whether they lie along a parabola; then with its chord
 template <class SquaredDistance>
 bool lie_on_parabola(const std::array<Index, kCurveNeighbors + 1>& places,
                      const SquaredDistance& squared, Chord& chord) {
-  // They do if they lie off one by this share of their spread along it: nine of
-  // independent samples do with a chance of some 1e-6 on a surface, less in more
-  // dimensions. No farther off their chord, over its length: most need no fit for that.
-  constexpr double kOffCurve = 0.1;
+  // They are no farther off their chord, over its length: most need no fit for that.
   constexpr double kOffChord = 0.3;
   constexpr int kPlaces = kCurveNeighbors + 1;
 
@@ -50,7 +54,6 @@ bool lie_on_parabola(const std::array<Index, kCurveNeighbors + 1>& places,
     return false;
   }
   chord.length = std::sqrt(longest);
-  Eigen::Matrix<double, kPlaces, 3> powers;
   std::array<double, kPlaces> steps;
   for (int i = 0; i < kPlaces; ++i) {
     const double to_other = squared(chord.to, places[i]);
@@ -58,27 +61,16 @@ bool lie_on_parabola(const std::array<Index, kCurveNeighbors + 1>& places,
     if (to_from[i] - along * along > kOffChord * kOffChord * longest) {
       return false;
     }
-    const double place = along / chord.length - 0.5;
-    powers.row(i) << 1, place, place * place;
-    steps[i] = place;
+    steps[i] = along / chord.length - 0.5;
   }
-  // The sum of squares off the fit, from the distances alone: with P the projection that
-  // it leaves, which takes constants away, -1/2 trace(P D).
-  using Square = Eigen::Matrix<double, kPlaces, kPlaces>;
-  const Eigen::Matrix<double, kPlaces, 3> fitted =
-      Eigen::HouseholderQR<Eigen::Matrix<double, kPlaces, 3>>(powers).householderQ() *
-      Eigen::Matrix<double, kPlaces, 3>::Identity();
-  const Square left = Square::Identity() - fitted * fitted.transpose();
-  double off = 0;
+  std::array<double, kPlaces*(kPlaces - 1) / 2> between;
+  auto next = between.begin();
   for (int i = 0; i < kPlaces; ++i) {
     for (int j = 0; j < i; ++j) {
-      off -= left(i, j) * squared(places[i], places[j]);
+      *next++ = squared(places[i], places[j]);
     }
   }
-  const double mean = powers.col(1).mean();
-  const double spread =
-      chord.length * std::sqrt((powers.col(1).array() - mean).square().mean());
-  if (off > kOffCurve * kOffCurve * spread * spread * (kPlaces - 3)) {
+  if (!fits_parabola(steps, between, chord.length)) {
     return false;
   }
   std::sort(steps.begin(), steps.end());
