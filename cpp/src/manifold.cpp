@@ -3,12 +3,14 @@
 // agree on, the chain of least energy through the rest, orientation.
 #include "base/free_memory.hpp"
 #include "base/parallel.hpp"
+#include "base/sort_unique.hpp"
 #include "base/tolerance.hpp"
 #include "cleaning/clean_samples.hpp"
 #include "complex/simplex_rows.hpp"
 #include "first_steps.hpp"
 #include "remanifold/constants.hpp"
 #include "remanifold/input_numbering.hpp"
+#include "remanifold/link_repair.hpp"
 #include "remanifold/reconstruct.hpp"
 #include "remanifold/topology.hpp"
 
@@ -155,7 +157,8 @@ std::vector<std::uint8_t> turned_over(const Samples& samples,
 }
 
 /// With K = D a simplex fills space, to the side that its patch does. What does not is left
-/// out: samples in planes have no K-dimensional neighborhood, and that is in the report.
+/// out, and what is no manifold without it: samples in planes have no K-dimensional
+/// neighborhood. That is in the report.
 void leave_out_flat(const Samples& samples, ManifoldComplex& complex,
                     const Execution& execution) {
   SimplexArray& simplices = complex.simplices;
@@ -167,21 +170,28 @@ void leave_out_flat(const Samples& samples, ManifoldComplex& complex,
     return;
   }
   const int arity = simplices.arity;
-  std::vector<std::uint8_t> used(samples.size(), 0);
   ManifoldReport& report = complex.report;
   SimplexArray filled;
   filled.arity = arity;
   SimplexArray kept;
   kept.arity = arity;
+  std::vector<std::uint8_t> used(samples.size(), 0);
+  std::vector<std::uint8_t> beside(samples.size(), 0);
   for (std::size_t s = 0; s < size; ++s) {
     const Index* simplex = simplices[static_cast<Offset>(s)];
     for (int i = 0; i < arity; ++i) {
-      std::uint8_t& use = used[simplex[i]];
-      use = dropped[s] == 0 ? 2 : std::max<std::uint8_t>(use, 1);
+      used[simplex[i]] = 1;
+      beside[simplex[i]] |= dropped[s];
     }
     if (dropped[s] == 0) {
       detail::append_row(kept, simplex);
     }
+  }
+  const std::vector<Index> cut = cut_links(samples, beside, kept, execution);
+  report.cut_vertices.insert(report.cut_vertices.end(), cut.begin(), cut.end());
+  detail::sort_unique(report.cut_vertices);
+  for (const Index v : kept.vertices) {
+    used[v] = 2;
   }
   for (Offset s = 0; s < report.filled.size(); ++s) {
     if (detail::find_row(kept, report.filled[s]) >= 0) {

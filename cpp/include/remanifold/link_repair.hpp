@@ -30,4 +30,11 @@ std::vector<Index> repair_links(const Samples& samples,
                                 const FacetPrice& price, SimplexArray& simplices,
                                 const Execution& execution = {});
 
+/// The last of that alone: takes out all but the largest fan whose link is a sphere or ball
+/// at each marked vertex, and at those next to it that are no better after it. Up to K = 4.
+/// \returns the vertices at which simplices were taken out, ascending
+std::vector<Index> cut_links(const Samples& samples,
+                             const std::vector<std::uint8_t>& marked,
+                             SimplexArray& simplices, const Execution& execution = {});
+
 }  // namespace remanifold

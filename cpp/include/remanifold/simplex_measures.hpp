@@ -44,8 +44,13 @@ class SimplexRuler {
   bool fills_space(int arity) const {
     return samples_.has_points() && samples_.ambient_dim() == arity - 1;
   }
-  /// Sign of the volume, where the simplices fill their space.
-  int orientation(const Index* vertices, int arity) const;
+  /// Determinant of the edges from the first vertex over the product of their lengths,
+  /// where the simplices fill their space.
+  double relative_volume(const Index* vertices, int arity) const;
+  /// Sign of that; 1 where it is zero.
+  int orientation(const Index* vertices, int arity) const {
+    return relative_volume(vertices, arity) < 0 ? -1 : 1;
+  }
   /// Mean of h over the vertices.
   double scale(const Index* vertices, int arity) const;
   /// Volume times sum of squared edges over h^(K+2): up to a constant the L1 distance

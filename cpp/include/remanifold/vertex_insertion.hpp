@@ -16,12 +16,14 @@ namespace remanifold {
 
 struct Insertion {
   std::vector<Index> inserted;
-  std::vector<Index> outliers;  ///< too far from all simplices of their neighbors
+  /// Too far from all simplices of their neighbors, or outside of all that fill space.
+  std::vector<Index> outliers;
 };
 
 /// Samples farther than max_distance times their local scale from the simplices around
 /// their neighbors stay outside. Of all faces of the simplices nearest to a sample, the
-/// one whose subdivision has the least energy is taken. Rows of the result are sorted.
+/// one whose subdivision has the least energy is taken; where simplices fill their space,
+/// K = D, of those after which they still lie side by side. Rows of the result are sorted.
 Insertion insert_vertices(const Samples& samples, const Neighborhoods& neighborhoods,
                           const std::vector<double>& scales, double max_distance,
                           SimplexArray& simplices, const Execution& execution = {});

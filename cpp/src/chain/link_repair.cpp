@@ -82,7 +82,10 @@ class LinkRepair {
 
   /// Closes small holes at the touched vertices, which moves may have left, where that
   /// costs less than leaving them open.
-  void close_holes(const std::vector<Index>& touched, const FacetPrice& price) {
+  /// \returns vertices whose links have changed
+  std::vector<Index> close_holes(const std::vector<Index>& touched,
+                                 const FacetPrice& price) {
+    std::vector<Index> closed;
     for (const Index v : touched) {
       if (hole_of_[v] >= 0 && changed_[hole_of_[v]] == 0) {
         continue;  // tried from another of its vertices
@@ -100,9 +103,12 @@ class LinkRepair {
             changed_[hole_of_[w]] = 1;
           }
         }
+        const std::vector<Index> around = vertices_of(move);
+        closed.insert(closed.end(), around.begin(), around.end());
         apply(move);
       }
     }
+    return closed;
   }
 
   /// Where no move has helped: of several fans at a vertex the largest whose link is one
@@ -484,8 +490,30 @@ std::vector<Index> repair_links(const Samples& samples,
     detail::sort_unique(left);
     singular.swap(left);
   }
-  repair.close_holes(open, price);
+  // As many links may be proper after it, but other ones.
+  for (const Index v : repair.close_holes(open, price)) {
+    if (repair.is_singular(v)) {
+      singular.push_back(v);
+    }
+  }
   const std::vector<Index> cut = repair.cut(singular);
+  simplices = repair.finish();
+  return cut;
+}
+
+std::vector<Index> cut_links(const Samples& samples,
+                             const std::vector<std::uint8_t>& marked,
+                             SimplexArray& simplices, const Execution& execution) {
+  if (simplices.arity - 1 > kMostDim) {
+    return {};
+  }
+  const std::vector<Index> singular = singular_vertices(simplices, marked, execution);
+  if (singular.empty()) {
+    return {};
+  }
+  const std::vector<double> no_scales;  // cuts are not compared
+  LinkRepair repair(samples, no_scales, std::move(simplices), execution);
+  std::vector<Index> cut = repair.cut(singular);
   simplices = repair.finish();
   return cut;
 }

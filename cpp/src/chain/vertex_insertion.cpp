@@ -2,6 +2,7 @@
 #include "remanifold/vertex_insertion.hpp"
 
 #include "base/sort_unique.hpp"
+#include "base/tolerance.hpp"
 #include "complex/editable_complex.hpp"
 
 #include <Eigen/Core>
@@ -67,9 +68,11 @@ class Inserter {
       : neighborhoods_(neighborhoods),
         complex_(std::move(simplices), samples.size()),
         ruler_(samples, scales),
-        distance_(samples) {}
+        distance_(samples),
+        fills_space_(ruler_.fills_space(complex_.arity())) {}
 
-  /// \returns false where all simplices around the neighbors are too far
+  /// \returns false where all simplices around the neighbors are too far, or fill their
+  ///          space and would not any more
   bool insert(Index x, double max_squared_distance) {
     near_.clear();
     Index used = 0;
@@ -94,6 +97,9 @@ class Inserter {
         compare_faces(x, near_[i]);
       }
     }
+    if (!std::isfinite(best_energy_)) {
+      return false;
+    }
     subdivide(x);
     return true;
   }
@@ -116,6 +122,10 @@ class Inserter {
       }
       double energy = 0;
       for (const Offset s : complex_.simplices_on(face)) {
+        if (fills_space_ && !keeps_side(s, face, x)) {
+          energy = std::numeric_limits<double>::infinity();
+          break;
+        }
         energy -= ruler_.energy(complex_[s], arity);
         for (const Index out : face) {
           replace(s, out, x);
@@ -127,6 +137,17 @@ class Inserter {
         best_face_ = face;
       }
     }
+  }
+
+  /// Whether the simplices that a sample on a face makes of one lie on its side.
+  bool keeps_side(Offset s, const std::vector<Index>& face, Index x) {
+    const int arity = complex_.arity();
+    const double side = ruler_.orientation(complex_[s], arity);
+    return std::all_of(face.begin(), face.end(), [&](Index out) {
+      row_.assign(complex_[s], complex_[s] + arity);
+      *std::find(row_.begin(), row_.end(), out) = x;
+      return side * ruler_.relative_volume(row_.data(), arity) > detail::kFlatSimplex;
+    });
   }
 
   /// The simplex with one vertex for another, sorted.
@@ -150,6 +171,7 @@ class Inserter {
   detail::EditableComplex complex_;
   SimplexRuler ruler_;
   SimplexDistance distance_;
+  bool fills_space_;
   std::vector<Offset> near_;
   std::vector<Index> row_;
   std::vector<Index> best_face_;

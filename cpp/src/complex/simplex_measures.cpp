@@ -174,15 +174,21 @@ bool SimplexRuler::holds_center(const Index* vertices, int arity,
   return first >= -tolerance;
 }
 
-int SimplexRuler::orientation(const Index* vertices, int arity) const {
+double SimplexRuler::relative_volume(const Index* vertices, int arity) const {
   const int dim = arity - 1;
   Small edges(dim, dim);
+  double lengths = 1;
   for (int i = 0; i < dim; ++i) {
+    double square = 0;
     for (int j = 0; j < dim; ++j) {
-      edges(i, j) = samples_.point(vertices[i + 1])[j] - samples_.point(vertices[0])[j];
+      const double along =
+          samples_.point(vertices[i + 1])[j] - samples_.point(vertices[0])[j];
+      edges(i, j) = along;
+      square += along * along;
     }
+    lengths *= std::sqrt(square);
   }
-  return detail::determinant_of(edges) < 0 ? -1 : 1;
+  return lengths > 0 ? detail::determinant_of(edges) / lengths : 0.0;
 }
 
 double SimplexRuler::scale(const Index* vertices, int arity) const {

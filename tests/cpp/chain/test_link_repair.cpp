@@ -89,6 +89,20 @@ TEST(LinkRepair, WhatNoMoveMendsIsCutAndTold) {
   EXPECT_EQ(simplices.size(), 3 * sides);
 }
 
+TEST(LinkRepair, CutsWithoutLookingForMore) {
+  const Numbered given(two_polygons(6));
+  const Index count = given.samples.size();
+  SimplexArray simplices = two_bipyramids(6);
+  const std::vector<Index> bad = singular(simplices, count);
+  ASSERT_EQ(bad.size(), 1U);
+  EXPECT_TRUE(
+      cut_links(given.samples, std::vector<std::uint8_t>(count, 0), simplices).empty());
+  EXPECT_EQ(cut_links(given.samples, std::vector<std::uint8_t>(count, 1), simplices),
+            bad);
+  EXPECT_TRUE(singular(simplices, count).empty());
+  EXPECT_EQ(simplices.size(), 24 - 6);
+}
+
 TEST(LinkRepair, LeavesWhatIsRightAlone) {
   const SimplexArray simplices = fan(13, 1, 6, fan(0, 1, 6, {3, {}}));
   EXPECT_EQ(repaired(simplices).size(), simplices.size());

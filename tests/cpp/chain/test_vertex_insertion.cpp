@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 namespace remanifold {
@@ -58,6 +59,24 @@ TEST(VertexInsertion, SubdividesWhatIsNear) {
   std::vector<std::vector<Index>> sorted = testing::rows(found.simplices);
   std::sort(sorted.begin(), sorted.end());
   EXPECT_EQ(sorted, testing::rows(found.simplices));
+}
+
+TEST(VertexInsertion, WhatFillsThePlaneStaysSideBySide) {
+  // A triangle; a sample straight across an edge, one beyond a corner: with that,
+  // triangles would overlap.
+  const Cloud cloud{{0, 0, 2, 0, 0, 2, 0.9, -0.1, -0.4, -0.4}, 2};
+  const Insert found(cloud, {3, {0, 1, 2}}, 2);
+  EXPECT_EQ(found.insertion.inserted, std::vector<Index>{3});
+  EXPECT_EQ(found.insertion.outliers, std::vector<Index>{4});
+  double area = 0;
+  for (const std::vector<Index>& row : testing::rows(found.simplices)) {
+    const double* a = found.samples.point(row[0]);
+    const double* b = found.samples.point(row[1]);
+    const double* c = found.samples.point(row[2]);
+    area += std::abs((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])) / 2;
+  }
+  const double scale = found.samples.scale();
+  EXPECT_NEAR(area * scale * scale, 2 + 0.1, 1e-12);
 }
 
 TEST(VertexInsertion, NothingToInsert) {

@@ -333,6 +333,23 @@ def test_full_dimensional_simplices_do_not_overlap(dim):
     assert (volumes(points, rec.simplices) > 0).all()
 
 
+@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("dim", [2, 3])
+def test_noise_and_clutter_leave_solids_manifolds(dim, seed):
+    """Simplices that would overlap are none, and links are proper without them."""
+    rng = np.random.default_rng(seed)
+    around = rng.uniform(-1, 1, (1500, dim))
+    away = np.linalg.norm(around, axis=1)
+    shell = around[(away > 0.5) & (away < 1)][:600]
+    strewn = rng.uniform(-1.2, 1.2, (60, dim))
+    points = np.concatenate([shell + rng.normal(scale=0.03, size=shell.shape), strewn])
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", rm.RemanifoldWarning)
+        rec = rm.reconstruct(points, dim)
+    assert rec.topology().manifold
+    assert rec.check().ok
+
+
 def test_unorientable_patches_have_ascending_columns():
     for name, num in (("klein_bottle", 800), ("projective_plane", 200)):
         points = SHAPES[name].generate(num, random_state=0)
