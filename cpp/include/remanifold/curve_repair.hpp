@@ -18,7 +18,8 @@ namespace remanifold {
 /// ends open; a path of fewer than `smallest_loop` samples is not closed while another
 /// end is near. Loops of fewer samples are merged with the curve next to them, at the least
 /// energy and for no more than four open ends would cost; not where they are much farther
-/// from it than from each other.
+/// from it than from each other: a curve that leaves its way for such a loop, there and
+/// back, lets go of it.
 /// \param edges  no sample in more than two; rows sorted in the result
 void repair_curves(const Samples& samples, const Neighborhoods& neighborhoods,
                    const std::vector<double>& scales, const FacetPrice& price,

@@ -34,7 +34,8 @@ Index certifying_count(int dim, const NeighborSearch& search);
 /// A weight per sample: 1e-7 times the squared distance to its nearest neighbor times a
 /// hash of its position in [0, 1), or of its distances where it has none.
 std::vector<double> tie_weights(const Samples& samples,
-                                const Neighborhoods& neighborhoods);
+                                const Neighborhoods& neighborhoods,
+                                const Execution& execution = {});
 
 /// The simplices at a sample, K vertices each, ascending, the sample itself left out; rows
 /// sorted. They are kept as places in its edge set, which are in the same order and take a

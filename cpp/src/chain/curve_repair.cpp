@@ -35,6 +35,19 @@ class CurveRepair {
     }
   }
 
+  /// A few samples that a curve leaves its way for, there and back, are a curve of their
+  /// own: the gaps are long for what lies on either side of them, and the curve goes on
+  /// where it left.
+  void part_detours(Index smallest_loop) {
+    for (Index b = 0; b < samples_.size(); ++b) {
+      for (const Index a : next_[b]) {
+        if (a >= 0 && is_long(a, b)) {
+          part_detour(b, a, smallest_loop);
+        }
+      }
+    }
+  }
+
   void join_ends(Index smallest_loop) {
     std::vector<Join> joins;
     for (Index a = 0; a < samples_.size(); ++a) {
@@ -138,6 +151,103 @@ class CurveRepair {
       return std::tie(energy, a, b) < std::tie(other.energy, other.a, other.b);
     }
   };
+
+  bool is_long(Index a, Index b) const {
+    return length_of(a, b) >
+           kOnItsOwn * std::max(length_of(a, neighborhoods_.of(a)[0]),
+                                length_of(b, neighborhoods_.of(b)[0]));
+  }
+
+  void part_detour(Index b, Index a, Index few) {
+    std::vector<Index> part;
+    Index before = b;
+    Index c = a;
+    while (static_cast<Index>(part.size()) + 1 < few) {
+      part.push_back(c);
+      const Index d = after(c, before);
+      if (d < 0 || d == b) {
+        return;
+      }
+      if (part.size() > 2 && is_long(c, d)) {
+        const double way = std::min(length_of(b, a), length_of(c, d));
+        const double step = std::max({longest_of_tree(part), length_to(b, after(b, a)),
+                                      length_to(d, after(d, c))});
+        if (way > kOnItsOwn * step && way > length_of(b, d)) {
+          unlink(b, a);
+          unlink(c, d);
+          link(b, d);
+          go_round(part);
+          return;
+        }
+      }
+      before = c;
+      c = d;
+    }
+  }
+
+  /// The neighbor of v on its curve that is not the one before; -1 where it ends.
+  Index after(Index v, Index before) const {
+    return next_[v][0] != before ? next_[v][0] : next_[v][1];
+  }
+
+  double length_to(Index a, Index b) const { return b < 0 ? 0 : length_of(a, b); }
+
+  /// Of the shortest tree.
+  double longest_of_tree(const std::vector<Index>& part) const {
+    std::vector<double> away(part.size(), std::numeric_limits<double>::infinity());
+    std::vector<std::uint8_t> reached(part.size(), 0);
+    double longest = 0;
+    away[0] = 0;
+    for (std::size_t round = 0; round < part.size(); ++round) {
+      std::size_t nearest = part.size();
+      for (std::size_t i = 0; i < part.size(); ++i) {
+        if (reached[i] == 0 && (nearest == part.size() || away[i] < away[nearest])) {
+          nearest = i;
+        }
+      }
+      reached[nearest] = 1;
+      longest = std::max(longest, away[nearest]);
+      for (std::size_t i = 0; i < part.size(); ++i) {
+        away[i] = std::min(away[i], length_of(part[nearest], part[i]));
+      }
+    }
+    return longest;
+  }
+
+  /// Makes them a closed curve of the least energy; without its longest edge where that
+  /// costs more than two ends.
+  void go_round(std::vector<Index> part) {
+    for (std::size_t i = 1; i < part.size(); ++i) {
+      unlink(part[i - 1], part[i]);
+    }
+    std::sort(part.begin(), part.end());
+    std::vector<Index> best;
+    double least = std::numeric_limits<double>::infinity();
+    do {
+      double energy = 0;
+      for (std::size_t i = 0; i < part.size() && energy < least; ++i) {
+        energy += energy_of(part[i], part[(i + 1) % part.size()]);
+      }
+      if (energy < least) {
+        least = energy;
+        best = part;
+      }
+    } while (std::next_permutation(part.begin() + 1, part.end()));
+    std::size_t last = best.size() - 1;
+    for (std::size_t i = 0; i < best.size(); ++i) {
+      if (energy_of(best[i], best[(i + 1) % best.size()]) >
+          energy_of(best[last], best[(last + 1) % best.size()])) {
+        last = i;
+      }
+    }
+    for (std::size_t i = 0; i < best.size(); ++i) {
+      const Index v = best[i];
+      const Index w = best[(i + 1) % best.size()];
+      if (i != last || energy_of(v, w) < price_(&v) + price_(&w)) {
+        link(v, w);
+      }
+    }
+  }
 
   /// Of two ends that have each other among their neighbors, once.
   void consider(Index a, Index b, std::vector<Join>& joins) const {
@@ -310,10 +420,12 @@ void repair_curves(const Samples& samples, const Neighborhoods& neighborhoods,
                    Index smallest_loop, SimplexArray& edges,
                    const Execution& execution) {
   CurveRepair repair(samples, neighborhoods, scales, price, edges);
+  repair.part_detours(smallest_loop);
   repair.join_ends(smallest_loop);
   repair.insert_paths(smallest_loop, execution);
   repair.join_far_ends(smallest_loop);
   repair.merge_loops(smallest_loop, execution);
+  repair.part_detours(smallest_loop);
   edges = repair.finish();
 }
 

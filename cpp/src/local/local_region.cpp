@@ -567,7 +567,7 @@ void compute_all(const Samples& samples, const NeighborSearch& search,
   std::vector<double> weights;
   {
     const detail::Timed timed(result.coordinate_seconds);
-    weights = tie_weights(samples, neighborhoods);
+    weights = tie_weights(samples, neighborhoods, execution);
   }
   detail::ThreadScratch<Kernel> kernels([&] {
     return Kernel(samples, search, neighborhoods, tangents, weights, execution);
@@ -710,16 +710,21 @@ Index certifying_count(int dim, const NeighborSearch& search) {
 }
 
 std::vector<double> tie_weights(const Samples& samples,
-                                const Neighborhoods& neighborhoods) {
+                                const Neighborhoods& neighborhoods,
+                                const Execution& execution) {
+  constexpr Offset block = 256;
   std::vector<double> weights(samples.size(), 0.0);
   if (neighborhoods.count == 0) {
     return weights;
   }
   const auto weigh = [&](const auto& hash) {
-    for (Index i = 0; i < samples.size(); ++i) {
-      weights[i] = detail::kTieWeight *
-                   detail::KnownDistances(samples, neighborhoods).nearest(i) * hash(i);
-    }
+    detail::for_each_block_uncounted(
+        samples.size(), block, execution, [&](Offset begin, Offset end) {
+          const detail::KnownDistances known(samples, neighborhoods);
+          for (auto i = static_cast<Index>(begin); i < end; ++i) {
+            weights[i] = detail::kTieWeight * known.nearest(i) * hash(i);
+          }
+        });
   };
   if (samples.has_points()) {
     weigh(PositionHash(samples));

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace remanifold {
@@ -79,6 +80,30 @@ TEST(CurveRepair, JoinsEndsThatHaveADenserPartBetweenThem) {
   EXPECT_TRUE(topology.closed);
   EXPECT_EQ(topology.components, 2);
   EXPECT_EQ(repaired.size(), 54);
+}
+
+TEST(CurveRepair, LetsGoOfALoopThatIsADetour) {
+  // A hexagon, as evenly sampled as the circle, at so many steps from its first sample.
+  const auto circle_and_hexagon = [](double steps) {
+    testing::Cloud cloud = Curve::circle(40);
+    const testing::Cloud hexagon = Curve::circle(6);
+    const double step = 2 * std::sin(std::acos(-1.0) / 40);
+    for (Index i = 0; i < 6; ++i) {
+      cloud.points.push_back(1 + (steps + 1) * step + step * hexagon.points[2 * i]);
+      cloud.points.push_back(step * hexagon.points[2 * i + 1]);
+    }
+    return cloud;
+  };
+  // The hexagon zigzags.
+  std::vector<Index> edges = path(0, 40);
+  edges.insert(edges.end(), {0, 43, 43, 44, 44, 42, 42, 45, 45, 41, 41, 40, 40, 39});
+  for (const auto& [steps, parts] : {std::pair(5, 2), std::pair(2, 1)}) {
+    const SimplexArray found = Curve(circle_and_hexagon(steps)).repaired(edges, 1e5);
+    const Topology topology = compute_topology(found, 46);
+    EXPECT_TRUE(topology.closed) << steps;
+    EXPECT_EQ(topology.components, parts) << steps;
+    EXPECT_EQ(found.size(), 46) << steps;
+  }
 }
 
 TEST(CurveRepair, MergesTinyLoops) {

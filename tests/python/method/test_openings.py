@@ -131,20 +131,26 @@ def test_openings_stay_open_in_nearly_all_samplings(build, dim, betti_numbers):
     assert silent <= 1
 
 
-@pytest.mark.parametrize("num", [6, 7, 9])
-@pytest.mark.parametrize("far", [5, 20, 100])
-def test_small_loops_are_kept_or_named(num, far):
-    """Loops of few samples, so many spacings from a circle of 400."""
-    step = 2 * np.pi / 400
-    angles = [np.arange(n) / n * 2 * np.pi for n in (400, num)]
+@pytest.mark.parametrize("turn", [0.0, 0.3])
+@pytest.mark.parametrize(
+    ("large", "num", "far"),
+    [(400, num, far) for num in (6, 7, 9) for far in (5, 20, 100)]
+    + [(200, 4, 3), (200, 6, 4), (300, 6, 5)],
+)
+def test_small_loops_are_kept_or_named(large, num, far, turn):
+    """Loops of few samples, so many spacings from a large circle."""
+    step = 2 * np.pi / large
+    angles = [np.arange(n) / n * 2 * np.pi for n in (large, num)]
     circle, loop = (np.c_[np.cos(a), np.sin(a)] for a in angles)
     radius = step * num / (2 * np.pi)
     loop = radius * loop + [1 + far * step + radius, 0]
-    rec = reconstruct(np.concatenate([circle, loop]), 1)
+    cos, sin = np.cos(turn), np.sin(turn)  # which decides ties
+    points = np.concatenate([circle, loop]) @ [[cos, -sin], [sin, cos]]
+    rec = reconstruct(points, 1)
     parts = [one for one in rec.openings if one.kind == "part"]
     assert betti(rec) == (2, 2) or (parts and not rec.quality.ok)
     if parts:
-        assert {*parts[0].samples.tolist()} <= {*range(400, 400 + num)}
+        assert {*parts[0].samples.tolist()} <= {*range(large, large + num)}
         assert parts[0].decision == "left out"
 
 
