@@ -215,6 +215,37 @@ void leave_out_flat(const Samples& samples, ManifoldComplex& complex,
   complex.patches = orient_patches(simplices, samples.size(), execution);
 }
 
+/// Samples that no simplex has room for are outliers as well, as long as they are few and
+/// not a part of their own: what is left of clutter among the samples, and around solids.
+void drop_strays(const Samples& samples, ManifoldReport& report,
+                 std::vector<Index>& outliers) {
+  constexpr Index fewest_others = 5;  // to one of them
+  if (samples.size() / fewest_others < static_cast<Index>(report.outliers.size())) {
+    return;
+  }
+  std::vector<std::uint8_t> stray(samples.size(), 0);
+  for (const Index v : report.outliers) {
+    stray[v] = 1;
+  }
+  for (const Opening& opening : report.openings) {
+    if (opening.kind == OpeningKind::kPart) {
+      for (const Index v : opening.samples) {
+        stray[v] = 0;
+      }
+    }
+  }
+  report.outliers.erase(std::remove_if(report.outliers.begin(), report.outliers.end(),
+                                       [&](Index v) { return stray[v] != 0; }),
+                        report.outliers.end());
+  const std::vector<Index> canonical = samples.canonical_indices();
+  for (Index i = 0; i < samples.input_size(); ++i) {
+    if (canonical[i] >= 0 && stray[canonical[i]] != 0) {
+      outliers.push_back(i);
+    }
+  }
+  std::sort(outliers.begin(), outliers.end());
+}
+
 }  // namespace
 
 Reconstruction reconstruct(const Samples& given, const ReconstructOptions& options,
@@ -224,8 +255,8 @@ Reconstruction reconstruct(const Samples& given, const ReconstructOptions& optio
       dim,
       options.num_neighbors > 0 ? options.num_neighbors : few_neighbors(given, dim),
       options.estimator.value_or(Estimator::kJet)};
-  detail::CleanSamples clean(
-      given, options, options.outlier_distance.value_or(kOutlierDistance), execution);
+  const double outlier_distance = options.outlier_distance.value_or(kOutlierDistance);
+  detail::CleanSamples clean(given, options, outlier_distance, execution);
   clean.set_thinning();
   detail::FirstSteps steps = detail::take_first_steps(clean, tangent, execution);
   const Samples& samples = clean.samples();
@@ -266,6 +297,9 @@ Reconstruction reconstruct(const Samples& given, const ReconstructOptions& optio
   ManifoldComplex complex = build_manifold(
       samples.knowing(neighborhoods), fewer.count > 0 ? fewer : neighborhoods,
       steps.tangents, std::move(steps.regions), manifold, solver, execution);
+  if (outlier_distance > 0) {
+    drop_strays(samples, complex.report, result.cleaning.outliers);
+  }
   if (samples.has_points() && static_cast<int>(samples.varying_axes().size()) <= dim) {
     leave_out_flat(samples, complex, execution);
   }

@@ -20,8 +20,9 @@ struct Insertion {
   std::vector<Index> outliers;
 };
 
-/// Samples farther than max_distance times their local scale from the simplices around
-/// their neighbors stay outside. Of all faces of the simplices nearest to a sample, the
+/// Samples farther than max_distance times the local scale, theirs and that of the nearest
+/// simplex, from the simplices around their neighbors stay outside: a stray sample has a
+/// large scale of its own. Of all faces of the simplices nearest to a sample, the
 /// one whose subdivision has the least energy is taken; where simplices fill their space,
 /// K = D, of those after which they still lie side by side. Rows of the result are sorted.
 Insertion insert_vertices(const Samples& samples, const Neighborhoods& neighborhoods,

@@ -43,6 +43,8 @@ constexpr double kSharpFold = -0.5;
 constexpr int kNeighborsPerDim = 4;
 /// Openings of which more are to be expected by chance are not worth a mention.
 constexpr double kMostExpected = 1;
+/// Samples of a small part are no farther from each other, in median scales.
+constexpr double kPartReach = 2;
 /// What is opened shows more around it; rounds of that.
 constexpr int kOpeningRounds = 3;
 /// More cliques than this for each sample around what is open are too many to choose from.
@@ -90,7 +92,8 @@ class ManifoldBuilder {
     if (!scales.empty()) {
       const auto middle = scales.begin() + static_cast<Offset>(scales.size() / 2);
       std::nth_element(scales.begin(), middle, scales.end());
-      result_.report.hole_size = options_.hole_radius * *middle;
+      median_scale_ = *middle;
+      result_.report.hole_size = options_.hole_radius * median_scale_;
     }
   }
 
@@ -610,10 +613,11 @@ class ManifoldBuilder {
         bridges.end());
   }
 
-  /// Samples in no simplex that are next to each other: too few for a manifold of their
-  /// own, and too far from all others to be part of theirs.
+  /// Samples in no simplex that are next to each other, about as dense as the others: too
+  /// few for a manifold of their own, and too far from all others to be part of theirs.
   void list_parts() {
     const std::vector<Index>& unused = result_.report.outliers;
+    const double reach = kPartReach * median_scale_;
     std::vector<Index> number(samples_.size(), -1);
     for (std::size_t i = 0; i < unused.size(); ++i) {
       number[unused[i]] = static_cast<Index>(i);
@@ -623,7 +627,7 @@ class ManifoldBuilder {
     for (const Index x : unused) {
       for (Index k = 0; k < near; ++k) {
         const Index y = neighborhoods_.of(x)[k];
-        if (number[y] >= 0) {
+        if (number[y] >= 0 && samples_.squared_distance(x, y) <= reach * reach) {
           sets.join(number[x], number[y]);
         }
       }
@@ -766,6 +770,7 @@ class ManifoldBuilder {
   int dim_;
   int arity_;
   std::vector<double> scales_;
+  double median_scale_ = 0;
   std::vector<double> stretch_;  // that they hold, of each sample; empty: 1
   SimplexRuler ruler_;
   bool by_evidence_ = false;

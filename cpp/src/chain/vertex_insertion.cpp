@@ -66,6 +66,7 @@ class Inserter {
   Inserter(const Samples& samples, const Neighborhoods& neighborhoods,
            const std::vector<double>& scales, SimplexArray simplices)
       : neighborhoods_(neighborhoods),
+        scales_(scales),
         complex_(std::move(simplices), samples.size()),
         ruler_(samples, scales),
         distance_(samples),
@@ -73,7 +74,7 @@ class Inserter {
 
   /// \returns false where all simplices around the neighbors are too far, or fill their
   ///          space and would not any more
-  bool insert(Index x, double max_squared_distance) {
+  bool insert(Index x, double max_distance) {
     near_.clear();
     Index used = 0;
     for (Index k = 0; k < neighborhoods_.count && used < kNeighbors; ++k) {
@@ -83,12 +84,17 @@ class Inserter {
     }
     detail::sort_unique(near_);
     double nearest = std::numeric_limits<double>::infinity();
+    double scale = 0;
     std::vector<double> distances;
     for (const Offset s : near_) {
       distances.push_back(distance_.squared(x, complex_[s], complex_.arity()));
-      nearest = std::min(nearest, distances.back());
+      if (distances.back() < nearest) {
+        nearest = distances.back();
+        scale = ruler_.scale(complex_[s], complex_.arity());
+      }
     }
-    if (!(nearest <= max_squared_distance)) {
+    const double reach = max_distance * std::min(scale, scales_[x]);
+    if (!(nearest <= reach * reach)) {
       return false;
     }
     best_energy_ = std::numeric_limits<double>::infinity();
@@ -168,6 +174,7 @@ class Inserter {
   }
 
   const Neighborhoods& neighborhoods_;
+  const std::vector<double>& scales_;
   detail::EditableComplex complex_;
   SimplexRuler ruler_;
   SimplexDistance distance_;
@@ -205,8 +212,7 @@ Insertion insert_vertices(const Samples& samples, const Neighborhoods& neighborh
     std::vector<Index> left;
     for (const Index v : waiting) {
       execution.poll();
-      const double reach = max_distance * scales[v];
-      if (inserter.insert(v, reach * reach)) {
+      if (inserter.insert(v, max_distance)) {
         result.inserted.push_back(v);
         progress = true;
       } else {

@@ -182,6 +182,23 @@ def test_stray_samples_stay_outside():
     ]
 
 
+def test_what_a_solid_has_no_room_for_is_stray():
+    """Outliers are looked for off a manifold, and a solid has no outside for that."""
+    ball = rm.datasets.ball(400, random_state=0)
+    stray = np.random.default_rng(1).normal(size=(10, 3))
+    stray *= np.linspace(3, 5, 10)[:, None] / np.linalg.norm(stray, axis=1)[:, None]
+    points = np.concatenate([ball, stray, stray[:2]])
+    rec = rm.reconstruct(points, 3)
+    assert rec.outliers.tolist() == list(range(400, 412))
+    assert len(rec.repair.unused_vertices) == 0
+    assert rec.quality.ok
+    assert rec.check().ok
+    kept = rm.reconstruct(points, 3, outliers=False)
+    np.testing.assert_array_equal(kept.simplices, rec.simplices)
+    assert kept.repair.unused_vertices.tolist() == list(range(400, 410))
+    assert not kept.quality.ok
+
+
 # --- The report -----------------------------------------------------------------
 
 
