@@ -546,6 +546,12 @@ class ManifoldBuilder {
                            insertion.inserted.end());
     detail::sort_unique(report.inserted);
     report.outliers = std::move(insertion.outliers);
+    // Some of an earlier round may have been taken out since.
+    std::vector<Index> still;
+    std::set_difference(report.inserted.begin(), report.inserted.end(),
+                        report.outliers.begin(), report.outliers.end(),
+                        std::back_inserter(still));
+    report.inserted = std::move(still);
   }
 
   /// Marked samples and those that share a simplex with one.
