@@ -271,6 +271,7 @@ Reconstruction reconstruct(const Samples& given, const ReconstructOptions& optio
   result.representatives = samples.representatives();
 
   ManifoldOptions manifold = options.manifold;
+  manifold.among_clutter = result.cleaning.clutter;
   if (manifold.boundary == BoundaryRule::kGiven) {
     manifold.boundary_samples = flags_to_canonical(samples, manifold.boundary_samples);
   }

@@ -37,4 +37,14 @@ std::vector<Index> cut_links(const Samples& samples,
                              const std::vector<std::uint8_t>& marked,
                              SimplexArray& simplices, const Execution& execution = {});
 
+/// From K = 2 to 4, takes out vertices at which the simplices stand up as a spike: they are
+/// more than twice as large as what closes the hole, and no vertex around is nearer than
+/// its local scale. Only where that leaves links proper, the steepest first. Among clutter
+/// such vertices are strays that lie near the manifold.
+/// \returns these vertices, ascending
+std::vector<Index> level_spikes(const Samples& samples,
+                                const std::vector<double>& scales,
+                                SimplexArray& simplices,
+                                const Execution& execution = {});
+
 }  // namespace remanifold

@@ -53,6 +53,8 @@ struct ManifoldOptions {
   Index smallest_loop = 10;
   /// Samples farther than this times h from the simplices around them are outliers.
   double outlier_distance = kOutlierDistance;
+  /// Whether there was clutter around the samples: spikes are what is left of it then.
+  bool among_clutter = false;
   ChainOptions chain;
 };
 

@@ -26,11 +26,18 @@ struct OutlierOptions {
   double distance = kOutlierDistance;
 };
 
-/// The outliers, ascending. Costs next to nothing where no sample lies apart from others.
+struct Outliers {
+  std::vector<Index> samples;  ///< ascending
+  /// Whether they are strewn about the manifold. What sharp features and coarse sampling
+  /// make look like outliers lies just beyond the distance; clutter lies anywhere: at least
+  /// five, and a third of all, are twice as far from all other samples.
+  bool are_clutter = false;
+};
+
+/// Costs next to nothing where no sample lies apart from others.
 /// \throws std::invalid_argument  K < 1, or a distance that is not positive
-std::vector<Index> find_outliers(const Samples& samples, const NeighborSearch& search,
-                                 const Neighborhoods& neighborhoods,
-                                 const OutlierOptions& options,
-                                 const Execution& execution = {});
+Outliers find_outliers(const Samples& samples, const NeighborSearch& search,
+                       const Neighborhoods& neighborhoods,
+                       const OutlierOptions& options, const Execution& execution = {});
 
 }  // namespace remanifold

@@ -17,6 +17,7 @@ namespace remanifold {
 /// What was done to the samples before, in the caller's numbering and units.
 struct Cleaning {
   std::vector<Index> outliers;        ///< left out, ascending
+  bool clutter = false;               ///< whether they are, as in Outliers
   std::vector<double> displacements;  ///< N x D; empty where nothing was moved
   Index smoothing_neighbors = 0;
   int smoothing_rounds = 0;

@@ -25,8 +25,10 @@ struct Insertion {
 /// large scale of its own. Of all faces of the simplices nearest to a sample, the
 /// one whose subdivision has the least energy is taken; where simplices fill their space,
 /// K = D, of those after which they still lie side by side. Rows of the result are sorted.
+/// \param kept_out  samples that stay outside, ascending
 Insertion insert_vertices(const Samples& samples, const Neighborhoods& neighborhoods,
                           const std::vector<double>& scales, double max_distance,
-                          SimplexArray& simplices, const Execution& execution = {});
+                          const std::vector<Index>& kept_out, SimplexArray& simplices,
+                          const Execution& execution = {});
 
 }  // namespace remanifold

@@ -24,6 +24,10 @@ constexpr Index kSearchSteps = 2000;
 constexpr int kMostDim = 4;
 /// Looks at one vertex, at most.
 constexpr int kRounds = 4;
+/// The simplices of a spike have so many times the volume of what closes the hole without
+/// it: on average they are steeper than 60 degrees.
+constexpr double kSteep = 2;
+constexpr Index kPollStride = 1024;
 
 /// Simplices that go and simplices that come, K+1 vertices each.
 struct Move {
@@ -36,7 +40,9 @@ class LinkRepair {
  public:
   LinkRepair(const Samples& samples, const std::vector<double>& scales,
              SimplexArray simplices, const Execution& execution)
-      : execution_(execution),
+      : samples_(samples),
+        scales_(scales),
+        execution_(execution),
         complex_(std::move(simplices), samples.size()),
         arity_(complex_.arity()),
         ruler_(samples, scales),
@@ -149,9 +155,80 @@ class LinkRepair {
     return result;
   }
 
+  /// How many times as large the simplices at a vertex are as those that a hole without it
+  /// can be closed with, at least; 0 where there are none or too many, or others are near.
+  double steepness(Index v) const {
+    const std::vector<Offset>& star = complex_.star(v);
+    std::vector<Index> around;
+    for (const Offset s : star) {
+      around.insert(around.end(), complex_[s], complex_[s] + arity_);
+    }
+    detail::sort_unique(around);
+    if (star.empty() || around.size() > kMostVertices + 1) {
+      return 0;
+    }
+    for (const Index w : around) {
+      if (w != v && samples_.squared_distance(v, w) < scales_[w] * scales_[w]) {
+        return 0;
+      }
+    }
+    return volume_of(star) / least_cone(v, around);
+  }
+
+  /// Takes a vertex out if its star is a spike and links stay proper without it.
+  bool level(Index v) {
+    if (!(steepness(v) > kSteep)) {
+      return false;
+    }
+    Move move{complex_.star(v), {}, 0};
+    const double steep = volume_of(move.out);
+    if (!refill({v}, move)) {
+      return false;
+    }
+    double flat = 0;
+    for (std::size_t i = 0; i < move.in.size(); i += arity_) {
+      flat += ruler_.measure(move.in.data() + i, arity_).volume;
+    }
+    // The vertex itself is left without simplices.
+    if (!(steep > kSteep * flat) || change_by(move, 0.5) > 0.5) {
+      return false;
+    }
+    apply(move);
+    return true;
+  }
+
   SimplexArray finish() { return complex_.finish(); }
 
  private:
+  double volume_of(const std::vector<Offset>& simplices) const {
+    double volume = 0;
+    for (const Offset s : simplices) {
+      volume += ruler_.measure(complex_[s], arity_).volume;
+    }
+    return volume;
+  }
+
+  /// Of those over the link of v whose apex is one of its vertices: a bound for what closes
+  /// a hole, and one that is close where the hole is flat.
+  double least_cone(Index v, const std::vector<Index>& around) const {
+    double least = std::numeric_limits<double>::infinity();
+    std::vector<Index> row(arity_);
+    for (const Index apex : around) {
+      double volume = apex == v ? least : 0;
+      for (const Offset s : complex_.star(v)) {
+        const Index* simplex = complex_[s];
+        if (volume < least &&
+            std::find(simplex, simplex + arity_, apex) == simplex + arity_) {
+          std::replace_copy(simplex, simplex + arity_, row.begin(), v, apex);
+          std::sort(row.begin(), row.end());
+          volume += ruler_.measure(row.data(), arity_).volume;
+        }
+      }
+      least = std::min(least, volume);
+    }
+    return least;
+  }
+
   bool is_singular_now(Index v) const {
     return !complex_.star(v).empty() && !is_sphere_or_ball(complex_.link(v));
   }
@@ -428,6 +505,8 @@ class LinkRepair {
     return after - before;
   }
 
+  const Samples& samples_;
+  const std::vector<double>& scales_;
   const Execution& execution_;
   detail::EditableComplex complex_;
   int arity_;
@@ -516,6 +595,37 @@ std::vector<Index> cut_links(const Samples& samples,
   std::vector<Index> cut = repair.cut(singular);
   simplices = repair.finish();
   return cut;
+}
+
+std::vector<Index> level_spikes(const Samples& samples,
+                                const std::vector<double>& scales,
+                                SimplexArray& simplices, const Execution& execution) {
+  std::vector<Index> levelled;
+  if (simplices.arity - 1 > kMostDim || simplices.arity < 3) {
+    return levelled;
+  }
+  LinkRepair repair(samples, scales, std::move(simplices), execution);
+  // The steepest first: what lies between strays is none without them.
+  std::vector<std::pair<double, Index>> spikes;
+  for (Index v = 0; v < samples.size(); ++v) {
+    if (v % kPollStride == 0) {
+      execution.poll();
+    }
+    const double steepness = repair.steepness(v);
+    if (steepness > kSteep) {
+      spikes.emplace_back(-steepness, v);
+    }
+  }
+  std::sort(spikes.begin(), spikes.end());
+  for (const auto& [steepness, v] : spikes) {
+    execution.poll();
+    if (repair.level(v)) {
+      levelled.push_back(v);
+    }
+  }
+  std::sort(levelled.begin(), levelled.end());
+  simplices = repair.finish();
+  return levelled;
 }
 
 }  // namespace remanifold

@@ -495,6 +495,9 @@ class ManifoldBuilder {
                     result_.simplices, execution_);
     }
     mend();
+    if (options_.among_clutter && level()) {
+      mend();
+    }
     for (int round = 0; round < kOpeningRounds; ++round) {
       if (!open_by_evidence()) {
         break;
@@ -536,7 +539,7 @@ class ManifoldBuilder {
     }
     Insertion insertion =
         insert_vertices(samples_, neighborhoods_, scales_, options_.outlier_distance,
-                        result_.simplices, execution_);
+                        levelled_, result_.simplices, execution_);
     changed_.assign(samples_.size(), 0);
     for (const Index v : insertion.inserted) {
       changed_[v] = 1;
@@ -552,6 +555,23 @@ class ManifoldBuilder {
                         report.outliers.begin(), report.outliers.end(),
                         std::back_inserter(still));
     report.inserted = std::move(still);
+  }
+
+  /// Where there is clutter, some of it lies so near that it was not told from the
+  /// manifold.
+  /// \returns whether anything was taken out
+  bool level() {
+    const SimplexArray before = result_.simplices;
+    levelled_ = level_spikes(samples_, scales_, result_.simplices, execution_);
+    for (Offset s = 0; s < before.size() && !levelled_.empty(); ++s) {
+      if (std::any_of(before[s], before[s] + arity_, [&](Index v) {
+            return std::binary_search(levelled_.begin(), levelled_.end(), v);
+          })) {
+        mark(before[s], unsettled_);
+        mark(before[s], changed_);
+      }
+    }
+    return !levelled_.empty();
   }
 
   /// Marked samples and those that share a simplex with one.
@@ -794,6 +814,7 @@ class ManifoldBuilder {
   std::vector<std::uint8_t>
       changed_;                     // samples at what changed since links were mended
   std::vector<Index> open_region_;  // samples around what stayed open, ascending
+  std::vector<Index> levelled_;     // samples that were spikes
   ManifoldComplex result_;
 };
 

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 namespace remanifold {
@@ -189,10 +190,14 @@ class Inserter {
 
 Insertion insert_vertices(const Samples& samples, const Neighborhoods& neighborhoods,
                           const std::vector<double>& scales, double max_distance,
-                          SimplexArray& simplices, const Execution& execution) {
+                          const std::vector<Index>& kept_out, SimplexArray& simplices,
+                          const Execution& execution) {
   Insertion result;
   std::vector<std::uint8_t> used(samples.size(), 0);
   for (const Index v : simplices.vertices) {
+    used[v] = 1;
+  }
+  for (const Index v : kept_out) {
     used[v] = 1;
   }
   std::vector<Index> waiting;
@@ -202,7 +207,8 @@ Insertion insert_vertices(const Samples& samples, const Neighborhoods& neighborh
     }
   }
   if (waiting.empty() || simplices.size() == 0) {
-    result.outliers = waiting;
+    std::merge(waiting.begin(), waiting.end(), kept_out.begin(), kept_out.end(),
+               std::back_inserter(result.outliers));
     return result;
   }
   Inserter inserter(samples, neighborhoods, scales, std::move(simplices));
@@ -222,6 +228,8 @@ Insertion insert_vertices(const Samples& samples, const Neighborhoods& neighborh
     waiting.swap(left);
   }
   result.outliers = waiting;
+  result.outliers.insert(result.outliers.end(), kept_out.begin(), kept_out.end());
+  std::sort(result.outliers.begin(), result.outliers.end());
   std::sort(result.inserted.begin(), result.inserted.end());
   simplices = inserter.finish();
   return result;

@@ -41,8 +41,10 @@ void CleanSamples::run(Index count) {
   if (outlier_distance_ > 0) {
     const Timed timed(cleaning_seconds_);
     begin_step(execution_, Step::kOutliers, 0);
-    outliers = find_outliers(given_, *search_, neighborhoods_,
-                             {options_.dim, outlier_distance_}, execution_);
+    Outliers found = find_outliers(given_, *search_, neighborhoods_,
+                                   {options_.dim, outlier_distance_}, execution_);
+    report_.clutter = found.are_clutter;
+    outliers = std::move(found.samples);
     if (!outliers.empty()) {
       report_.outliers = to_input(outliers);
       change(given_.without(outliers));

@@ -44,6 +44,10 @@ constexpr Index kProbes = 300;
 constexpr std::size_t kManySparse = 2000;
 constexpr Index kSparseStride = 16;
 constexpr int kMostRounds = 20;
+/// Clutter: see Outliers.
+constexpr double kFarther = 2;
+constexpr std::size_t kFewestFar = 5;
+constexpr std::size_t kFarShare = 3;
 /// Samples lie along a curve, and no clump beside others, where no step between them is
 /// longer than this share of all.
 constexpr double kLongStep = 0.5;
@@ -96,10 +100,11 @@ class OutlierFinder {
   OutlierFinder(const OutlierFinder&) = delete;
   OutlierFinder& operator=(const OutlierFinder&) = delete;
 
-  std::vector<Index> run() {
-    std::vector<Index> outliers;
+  Outliers run() {
+    Outliers result;
+    std::vector<Index>& outliers = result.samples;
     if (vote_count_ <= near_count_) {
-      return outliers;
+      return result;
     }
     measure_all();
     for (round_ = 0; round_ < kMostRounds; ++round_) {
@@ -114,7 +119,8 @@ class OutlierFinder {
       measure_all();
     }
     std::sort(outliers.begin(), outliers.end());
-    return outliers;
+    result.are_clutter = are_clutter(outliers);
+    return result;
   }
 
  private:
@@ -249,7 +255,10 @@ class OutlierFinder {
                        Scratch& scratch) const {
     nearest(x, count, scratch);
     std::vector<double>& around = scratch.values;
-    around.assign(1, values[x]);
+    around.clear();
+    if (out_[x] == kIn) {
+      around.push_back(values[x]);
+    }
     for (const Index y : scratch.near) {
       around.push_back(values[y]);
     }
@@ -384,6 +393,20 @@ class OutlierFinder {
     std::sort(found.begin(), found.end());
     found.erase(std::unique(found.begin(), found.end()), found.end());
     return found;
+  }
+
+  bool are_clutter(const std::vector<Index>& outliers) const {
+    Scratch scratch;
+    std::size_t far = 0;
+    for (const Index x : outliers) {
+      const double scale = median_around(x, vote_count_, scales_, scratch);
+      nearest(x, 1, scratch);
+      if (!scratch.near.empty() &&
+          distance(x, scratch.near[0]) > kFarther * options_.distance * scale) {
+        ++far;
+      }
+    }
+    return far >= kFewestFar && far * kFarShare >= outliers.size();
   }
 
   /// Leaves those out that are no farther apart than the curves around on which samples
@@ -580,10 +603,9 @@ class OutlierFinder {
 
 }  // namespace
 
-std::vector<Index> find_outliers(const Samples& samples, const NeighborSearch& search,
-                                 const Neighborhoods& neighborhoods,
-                                 const OutlierOptions& options,
-                                 const Execution& execution) {
+Outliers find_outliers(const Samples& samples, const NeighborSearch& search,
+                       const Neighborhoods& neighborhoods,
+                       const OutlierOptions& options, const Execution& execution) {
   if (options.dim < 1) {
     throw std::invalid_argument("dim is " + std::to_string(options.dim) +
                                 ", expected at least 1");

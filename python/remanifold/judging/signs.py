@@ -437,7 +437,7 @@ def _crossings(found: Findings) -> Iterator[Sign]:
             True,
             f"{count_of(len(crossing), 'edge')} longer than the spacing right by other "
             "samples: parts of the manifold may have been joined that are not",
-            distinct(crossing).astype(np.int64),
+            distinct(np.asarray(crossing)).astype(np.int64),
         )
 
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace remanifold {
@@ -101,6 +102,39 @@ TEST(LinkRepair, CutsWithoutLookingForMore) {
             bad);
   EXPECT_TRUE(singular(simplices, count).empty());
   EXPECT_EQ(simplices.size(), 24 - 6);
+}
+
+TEST(LinkRepair, LevelsSpikesAndLeavesHills) {
+  // A hexagon with six triangles around its middle, and a ring of twelve outside.
+  for (const auto& [height, spikes] : {std::pair(2.5, 1), std::pair(1.0, 0)}) {
+    Cloud cloud{{0, 0, height}, 3};
+    for (const auto& [sides, radius] : {std::pair(6, 1.0), std::pair(12, 2.0)}) {
+      for (int i = 0; i < sides; ++i) {
+        const double angle = 2 * std::acos(-1.0) * i / sides;
+        cloud.points.insert(cloud.points.end(),
+                            {radius * std::cos(angle), radius * std::sin(angle), 0});
+      }
+    }
+    SimplexArray simplices = fan(0, 1, 6, {3, {}});
+    for (Index i = 0; i < 6; ++i) {
+      const Index next = (i + 1) % 6;
+      for (std::vector<Index> row :
+           {std::vector<Index>{1 + i, 7 + 2 * i, 8 + 2 * i},
+            std::vector<Index>{1 + i, 1 + next, 8 + 2 * i},
+            std::vector<Index>{1 + next, 8 + 2 * i, 7 + (2 * i + 2) % 12}}) {
+        std::sort(row.begin(), row.end());
+        simplices.vertices.insert(simplices.vertices.end(), row.begin(), row.end());
+      }
+    }
+    const Numbered given(cloud);
+    ASSERT_TRUE(singular(simplices, 19).empty());
+    const std::vector<double> scales(19, 1 / given.samples.scale());
+    const std::vector<Index> found = level_spikes(given.samples, scales, simplices);
+    EXPECT_EQ(found, std::vector<Index>(spikes, 0)) << height;
+    EXPECT_EQ(simplices.size(), 24 - 2 * spikes);
+    EXPECT_TRUE(singular(simplices, 19).empty());
+    EXPECT_EQ(compute_topology(simplices, 19).euler_characteristic, 1);
+  }
 }
 
 TEST(LinkRepair, LeavesWhatIsRightAlone) {

@@ -33,7 +33,7 @@ struct Insert {
     const NeighborSearch search(samples);
     const Neighborhoods near = find_neighborhoods(samples, search, samples.size() - 1);
     const std::vector<double> scales = local_scales(samples, near, given.arity - 1);
-    insertion = insert_vertices(samples, near, scales, max_distance, simplices);
+    insertion = insert_vertices(samples, near, scales, max_distance, {}, simplices);
     for (std::vector<Index>* numbers : {&insertion.inserted, &insertion.outliers}) {
       for (Index& v : *numbers) {
         v = samples.input_index(v);
