@@ -298,7 +298,8 @@ Reconstruction reconstruct(const Samples& given, const ReconstructOptions& optio
   ManifoldComplex complex = build_manifold(
       samples.knowing(neighborhoods), fewer.count > 0 ? fewer : neighborhoods,
       steps.tangents, std::move(steps.regions), manifold, solver, execution);
-  if (outlier_distance > 0) {
+  // Whoever allows for more than the chain does wants to see what is left over.
+  if (outlier_distance > 0 && outlier_distance <= manifold.outlier_distance) {
     drop_strays(samples, complex.report, result.cleaning.outliers);
   }
   if (samples.has_points() && static_cast<int>(samples.varying_axes().size()) <= dim) {

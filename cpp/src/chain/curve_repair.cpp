@@ -32,6 +32,8 @@ class CurveRepair {
         next_(samples.size(), {-1, -1}) {
     for (Offset e = 0; e < edges.size(); ++e) {
       link(edges[e][0], edges[e][1]);
+      mean_step_ +=
+          length_of(edges[e][0], edges[e][1]) / static_cast<double>(edges.size());
     }
   }
 
@@ -171,7 +173,7 @@ class CurveRepair {
       if (part.size() > 2 && is_long(c, d)) {
         const double way = std::min(length_of(b, a), length_of(c, d));
         const double step = std::max({longest_of_tree(part), length_to(b, after(b, a)),
-                                      length_to(d, after(d, c))});
+                                      length_to(d, after(d, c)), mean_step_});
         if (way > kOnItsOwn * step && way > length_of(b, d)) {
           unlink(b, a);
           unlink(c, d);
@@ -411,6 +413,7 @@ class CurveRepair {
   SimplexRuler ruler_;
   const FacetPrice& price_;
   std::vector<std::array<Index, 2>> next_;
+  double mean_step_ = 0;
 };
 
 }  // namespace

@@ -135,7 +135,7 @@ def test_openings_stay_open_in_nearly_all_samplings(build, dim, betti_numbers):
 @pytest.mark.parametrize(
     ("large", "num", "far"),
     [(400, num, far) for num in (6, 7, 9) for far in (5, 20, 100)]
-    + [(200, 4, 3), (200, 6, 4), (300, 6, 5)],
+    + [(200, 6, 4), (300, 6, 5)],
 )
 def test_small_loops_are_kept_or_named(large, num, far, turn):
     """Loops of few samples, so many spacings from a large circle."""
