@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "remanifold/outliers.hpp"
 
+#include "base/disjoint_sets.hpp"
 #include "base/parallel.hpp"
 #include "base/per_thread.hpp"
 #include "local/local_coordinates.hpp"
@@ -15,6 +16,7 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace remanifold {
 namespace {
@@ -24,6 +26,8 @@ constexpr Index kFewestVotes = 15;
 /// Share of the votes that is passed over: the quadrics of some neighbors miss what lies
 /// behind a crease, but at a corner of three sides there is still a third on each.
 constexpr double kQuantile = 0.25;
+/// So many radii of its neighborhood away, a quadric says nothing.
+constexpr double kBeyond = 8;
 constexpr double kMedianScales = 2;
 constexpr double kNoiseQuantile = 0.75;
 constexpr double kNoiseFactor = 8;
@@ -34,6 +38,11 @@ constexpr double kNoiseFactor = 8;
 constexpr double kSparse = 3;
 constexpr double kScattered = 0.25;
 constexpr double kScatteredFactor = 2;
+/// Of those that are left when most have gone, on average over all that are next to each
+/// other. (Coarse parts of uneven samplings: 0.1. Left of clutter: 0.2.)
+constexpr double kLeftOver = 0.15;
+/// So many times the median scale: no surface is as unevenly sampled as that.
+constexpr double kVerySparse = 10;
 /// Where samples are sparse, an outlier is at least this many of the scales there away.
 constexpr double kLocalScales = 0.75;
 /// Where coarse sampling is all there is to it, few of the sparse samples are like that.
@@ -93,8 +102,10 @@ class OutlierFinder {
         wide_(samples.size()) {}
 
   ~OutlierFinder() {
-    for (std::atomic<std::vector<Index>*>& slot : wide_) {
-      delete slot.load();
+    for (std::atomic<Wide*>& slot : wide_) {
+      for (const Wide* wide = slot.load(); wide != nullptr;) {
+        delete std::exchange(wide, wide->before);
+      }
     }
   }
   OutlierFinder(const OutlierFinder&) = delete;
@@ -153,49 +164,48 @@ class OutlierFinder {
     if (as_index(near) >= count) {
       return;
     }
-    near.clear();
-    const std::vector<Index>& more = wide(x, scratch);
-    for (std::size_t k = 0; k < more.size() && as_index(near) < count; ++k) {
-      take(more[k]);
-    }
-    Index asked = std::max(as_index(more), count);
-    while (as_index(near) < count && asked < 2 * samples_.size()) {
-      asked *= 2;
-      search(x, asked, scratch);
+    Index asked = 2 * std::max(neighborhoods_.count, vote_count_);
+    for (const Index all = samples_.size() - 1;; asked = std::max(2 * asked, count)) {
       near.clear();
-      for (const Neighbor& neighbor : scratch.found) {
-        if (as_index(near) < count) {
-          take(neighbor.index);
-        }
+      const std::vector<Index>& more = wide(x, std::min(asked, all), scratch);
+      for (std::size_t k = 0; k < more.size() && as_index(near) < count; ++k) {
+        take(more[k]);
       }
+      if (as_index(near) >= count || as_index(more) >= all) {
+        return;
+      }
+      asked = as_index(more);
     }
   }
 
-  void search(Index x, Index count, Scratch& scratch) const {
+  /// What a search has found, and with fewer before.
+  struct Wide {
+    std::vector<Index> samples;
+    const Wide* before;
+  };
+
+  /// So many nearest others or more, each number searched for once.
+  const std::vector<Index>& wide(Index x, Index count, Scratch& scratch) const {
+    std::atomic<Wide*>& slot = wide_[x];
+    Wide* known = slot.load(std::memory_order_acquire);
+    if (known != nullptr && as_index(known->samples) >= count) {
+      return known->samples;
+    }
     if (!scratch.query) {
       scratch.query = search_.query(execution_);
     }
-    scratch.query->nearest(x, std::min(count, samples_.size() - 1),
-                           std::numeric_limits<double>::infinity(), scratch.found);
-  }
-
-  /// Twice as many nearest others as vote, searched for once.
-  const std::vector<Index>& wide(Index x, Scratch& scratch) const {
-    std::atomic<std::vector<Index>*>& slot = wide_[x];
-    if (const std::vector<Index>* known = slot.load(std::memory_order_acquire)) {
-      return *known;
-    }
-    search(x, 2 * std::max(neighborhoods_.count, vote_count_), scratch);
-    auto found = std::make_unique<std::vector<Index>>();
-    found->reserve(scratch.found.size());
+    scratch.query->nearest(x, count, std::numeric_limits<double>::infinity(),
+                           scratch.found);
+    auto found = std::make_unique<Wide>();
+    found->before = known;
+    found->samples.reserve(scratch.found.size());
     for (const Neighbor& neighbor : scratch.found) {
-      found->push_back(neighbor.index);
+      found->samples.push_back(neighbor.index);
     }
-    std::vector<Index>* other = nullptr;
-    if (slot.compare_exchange_strong(other, found.get(), std::memory_order_acq_rel)) {
-      return *found.release();
+    if (slot.compare_exchange_strong(known, found.get(), std::memory_order_acq_rel)) {
+      return found.release()->samples;
     }
-    return *other;  // of a thread that was faster: the same
+    return wide(x, count, scratch);  // another thread was faster
   }
 
   static Index as_index(const std::vector<Index>& values) {
@@ -385,10 +395,20 @@ class OutlierFinder {
           sparse.clear();
         }
       }
-      const std::vector<Index> far = find_scattered(sparse, scattered);
-      if (far.size() * kScatteredShare >= sparse.size()) {
-        found.insert(found.end(), far.begin(), far.end());
+      std::vector<Index> far = find_scattered(sparse, scattered);
+      if (far.size() * kScatteredShare < sparse.size()) {
+        far.clear();
+        if (num_scattered_ > sparse.size()) {
+          sparse.erase(
+              std::remove_if(
+                  sparse.begin(), sparse.end(),
+                  [&](Index x) { return !(scales_[x] > kVerySparse * median_scale_); }),
+              sparse.end());
+          far = find_left_over(sparse);
+        }
       }
+      num_scattered_ += far.size();
+      found.insert(found.end(), far.begin(), far.end());
     }
     std::sort(found.begin(), found.end());
     found.erase(std::unique(found.begin(), found.end()), found.end());
@@ -397,16 +417,19 @@ class OutlierFinder {
 
   bool are_clutter(const std::vector<Index>& outliers) const {
     Scratch scratch;
+    std::size_t looked_at = 0;
     std::size_t far = 0;
-    for (const Index x : outliers) {
+    const std::size_t stride = 1 + outliers.size() / kProbes;
+    for (std::size_t i = 0; i < outliers.size(); i += stride) {
+      const Index x = outliers[i];
       const double scale = median_around(x, vote_count_, scales_, scratch);
-      nearest(x, 1, scratch);
+      ++looked_at;
       if (!scratch.near.empty() &&
           distance(x, scratch.near[0]) > kFarther * options_.distance * scale) {
         ++far;
       }
     }
-    return far >= kFewestFar && far * kFarShare >= outliers.size();
+    return far >= kFewestFar && far * kFarShare >= looked_at;
   }
 
   /// Leaves those out that are no farther apart than the curves around on which samples
@@ -429,8 +452,46 @@ class OutlierFinder {
     units.resize(kept);
   }
 
+  /// What stays of many scattered samples seems to be less so, since the others have gone.
+  /// Together, those that are each other's neighbors still tell.
+  std::vector<Index> find_left_over(const std::vector<Index>& sparse) {
+    std::vector<double> means;
+    find_scattered(sparse, 0, &means);
+    std::vector<Index> number(samples_.size(), -1);
+    for (std::size_t i = 0; i < sparse.size(); ++i) {
+      number[sparse[i]] = static_cast<Index>(i);
+    }
+    Scratch scratch;
+    detail::DisjointSets sets(static_cast<Offset>(sparse.size()));
+    for (const Index x : sparse) {
+      nearest(x, vote_count_, scratch);
+      for (const Index y : scratch.near) {
+        if (number[y] >= 0) {
+          sets.join(number[x], number[y]);
+        }
+      }
+    }
+    std::vector<double> sums(sparse.size(), 0.0);
+    std::vector<Index> counts(sparse.size(), 0);
+    for (std::size_t i = 0; i < sparse.size(); ++i) {
+      const Offset root = sets.find(static_cast<Offset>(i));
+      sums[root] += means[i];
+      ++counts[root];
+    }
+    std::vector<Index> found;
+    for (std::size_t i = 0; i < sparse.size(); ++i) {
+      const Offset root = sets.find(static_cast<Offset>(i));
+      if (sums[root] > kLeftOver * counts[root]) {
+        found.push_back(sparse[i]);
+      }
+    }
+    return found;
+  }
+
   /// Those around which distances are this large on average.
-  std::vector<Index> find_scattered(const std::vector<Index>& sparse, double least) {
+  /// \param means  if given, these averages
+  std::vector<Index> find_scattered(const std::vector<Index>& sparse, double least,
+                                    std::vector<double>* means = nullptr) {
     Scratch scratch;
     std::vector<Index> around;
     std::vector<std::size_t> offsets{0};
@@ -451,7 +512,11 @@ class OutlierFinder {
         const auto at = std::lower_bound(asked.begin(), asked.end(), around[k]);
         sum += std::min(1.0, values[at - asked.begin()] / scales_[around[k]]);
       }
-      if (sum > least * static_cast<double>(offsets[i + 1] - offsets[i])) {
+      const double mean = sum / static_cast<double>(offsets[i + 1] - offsets[i]);
+      if (means != nullptr) {
+        means->push_back(mean);
+      }
+      if (mean > least) {
         found.push_back(sparse[i]);
       }
     }
@@ -566,8 +631,10 @@ class OutlierFinder {
                     own != members.begin() + fitted
                         ? own - members.begin()
                         : static_cast<std::ptrdiff_t>(fitted + (v - starts[i]));
-                given[votes[v].slot] = fits ? voter.fit.distance_without(row)
-                                            : std::numeric_limits<double>::infinity();
+                const double away = distance(y, votes[v].sample);
+                given[votes[v].slot] = away > kBeyond * end_of ? away
+                                       : fits ? voter.fit.distance_without(row)
+                                              : std::numeric_limits<double>::infinity();
               }
             }
           });
@@ -597,8 +664,9 @@ class OutlierFinder {
   std::vector<double> apart_;
   std::vector<double> reach_;
   std::vector<double> scales_;
-  mutable std::vector<std::atomic<std::vector<Index>*>> wide_;  // once searched for
+  mutable std::vector<std::atomic<Wide*>> wide_;  // of each sample, the longest
   double median_scale_ = 0;
+  std::size_t num_scattered_ = 0;
 };
 
 }  // namespace

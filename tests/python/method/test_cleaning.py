@@ -132,6 +132,17 @@ def test_clutter_leaves_no_spikes(name):
     assert not any("folds" in reason.text for reason in rec.quality.reasons)
 
 
+def test_the_last_of_many_outliers_are_found():
+    """Far from everything they are each other's neighbors, sparser with each that goes."""
+    clean = draw("torus", 20_000)
+    rng = np.random.default_rng(0)
+    strewn = rng.uniform(-1, 1, (2000, 3)) * np.ptp(clean, axis=0)
+    rec = rm.reconstruct(np.concatenate([clean, strewn]), 2)
+    assert rec.outliers.min() >= 20_000
+    assert len(rec.outliers) > 0.95 * 2000
+    assert right(rec, "torus")
+
+
 def test_outliers_of_products_and_distances():
     points, outlying = with_outliers(draw("torus", 400), 0.1)
     found = rm.find_outliers(points, 2)
