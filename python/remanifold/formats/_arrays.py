@@ -13,11 +13,9 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from remanifold.formats._packed import MOST_PER_BYTE
 from remanifold.formats._source import Source
 
-# Bytes that Deflate makes of one at most: 258 of two bits. No reader makes more of a byte,
-# whatever the file says.
-MOST_PER_BYTE = 1032
 _NPY = ".npy"
 _HEADERS = {
     (1, 0): np.lib.format.read_array_header_1_0,

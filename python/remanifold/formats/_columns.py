@@ -103,6 +103,7 @@ _PLACES = (
         ("northing", "north", "utm_n", "y_utm", "hochwert", "nordwert"),
     ),
     (("lon", "long", "longitude", "lng"), ("lat", "latitude")),
+    (("e",), ("n",)),  # beside a height only: they may be anything else
 )
 _HEIGHTS = (
     *(
@@ -429,7 +430,8 @@ def _places(names: list[str]) -> list[int] | None:
         found = [next((names.index(n) for n in c if n in names), None) for c in pair]
         if found[0] is not None and found[1] is not None:
             height = [names.index(n) for n in _HEIGHTS if n in names][:1]
-            return [found[0], found[1], *height]
+            if height or pair is not _PLACES[-1]:
+                return [found[0], found[1], *height]
     return None
 
 

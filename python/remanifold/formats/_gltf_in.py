@@ -13,8 +13,8 @@ from urllib.parse import unquote
 import numpy as np
 from numpy.typing import NDArray
 
-from remanifold.formats._arrays import MOST_PER_BYTE
 from remanifold.formats._mesh import Faces, FileMesh, check_corners, strip_triangles
+from remanifold.formats._packed import MOST_PER_BYTE
 from remanifold.formats._source import FloatArray, IntArray, Source
 
 _COMPONENTS = {5120: "i1", 5121: "u1", 5122: "i2", 5123: "u2", 5125: "u4", 5126: "f4"}

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import codecs
+import contextlib
 import functools
 import io
 import os
@@ -18,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from remanifold._base.files import StrPath
+from remanifold.formats._packed import is_packed, unpacked
 
 FloatArray: TypeAlias = NDArray[np.float64]
 IntArray: TypeAlias = NDArray[np.int64]
@@ -25,6 +27,9 @@ IntArray: TypeAlias = NDArray[np.int64]
 _LARGEST = 2**62  # of an index, so that what is computed of it fits as well
 _CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f\x7f]")
 _LONGEST = 300  # characters of a message
+_FORTRAN = re.compile(
+    r"([+-]?(?:\d+\.?\d*|\.\d+))(?:[dDqQ]([+-]?\d{1,4})|(?<=\d)([+-]\d{3}))"
+)
 STANDARD = "-"  # standard input or output
 
 
@@ -59,9 +64,21 @@ class Source:
         if is_standard(path):
             self.name = "standard input"
             self._held = sys.stdin.buffer.read()
+            start = self._held[:8]
         else:
             self._path = Path(path)
             self.name = str(path)
+            start = b""
+            if self._path.is_file():
+                with self._path.open("rb") as file:
+                    start = file.read(8)
+        if is_packed(start):
+            try:
+                self._held = unpacked(self.data)
+            except ValueError as error:
+                self.fail(str(error), error)
+            self.__dict__.pop("data", None)
+            self._path = None
 
     def __str__(self) -> str:
         return self.name
@@ -77,7 +94,7 @@ class Source:
 
     @property
     def path(self) -> Path | None:
-        """Where it is; None for standard input."""
+        """Where it is; None for standard input and what was compressed."""
         return self._path
 
     def guess(self, what: str) -> None:
@@ -112,6 +129,8 @@ class Source:
                 self.fail(f"is no text file, as {self.suffix} files are", error)
             self.note("is read as Latin-1, for it is no UTF-8")
             return data.decode("latin-1")
+        if "\0" in text and (wide := _utf16(data)) is not None:
+            return wide
         if "\0" in text:
             self.fail(f"is no text file, as {self.suffix} files are")
         return text
@@ -151,7 +170,7 @@ class Source:
     def floats(self, line: int, fields: list[str], count: int) -> list[float]:
         """Take the first ``count`` fields of a line as numbers."""
         try:
-            values = [float(field) for field in fields[:count]]
+            values = [as_number(field) for field in fields[:count]]
         except ValueError:
             values = []
         if len(values) < count:
@@ -178,11 +197,39 @@ class Source:
         return values
 
 
+def _utf16(data: bytes) -> str | None:
+    """Text of UTF-16 without its mark: every other byte of the first ones is zero."""
+    start = data[:200]
+    for code, zeros in (("utf-16-le", start[1::2]), ("utf-16-be", start[::2])):
+        if zeros and len(data) % 2 == 0 and not any(zeros):
+            with contextlib.suppress(UnicodeDecodeError):
+                text = data.decode(code)
+                return None if "\0" in text else text
+    return None
+
+
 def _one_line(what: str) -> str:
     """A message, however other libraries put theirs into it."""
     text = re.sub(r"<[\w.]+ object at 0x[0-9a-f]+>", "something else", what)
     text = " ".join(text.split())
     return text if len(text) <= _LONGEST else f"{text[:_LONGEST]} ..."
+
+
+def as_number(word: str) -> float:
+    """Take a word as a number, also as Fortran writes it: 1.5D+02, 1.5-101.
+
+    Raises
+    ------
+    ValueError
+        It is none.
+    """
+    try:
+        return float(word)
+    except ValueError:
+        found = _FORTRAN.fullmatch(word.strip())
+        if found is None:
+            raise
+        return float(f"{found[1]}e{found[2] or found[3]}")
 
 
 def is_standard(path: StrPath) -> bool:

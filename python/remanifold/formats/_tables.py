@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import csv
 import io
+import operator
 import os
 import zipfile
 from collections.abc import Mapping
@@ -98,6 +99,14 @@ _POINTS = (
 )
 
 
+_SIMPLICES = frozenset(
+    (
+        *("faces", "f", "triangles", "tris", "trivs", "cells", "elements", "edges"),
+        *("tets", "tetrahedra", "tetras", "simplexes"),
+    )
+)
+
+
 def mesh_of_arrays(
     source: Source, arrays: Mapping[str, Held], with_fields: bool
 ) -> FileMesh:
@@ -107,13 +116,14 @@ def mesh_of_arrays(
     if mesh.table is not None or not (with_fields or source.cells or source.columns):
         return mesh
     count = len(mesh.points)
-    if "simplices" in arrays and source.cells:
-        simplices = _simplices(source, arrays["simplices"].read(), count)
+    named = _simplices_among(source, arrays) if source.cells else None
+    if named is not None:
+        simplices = _simplices(source, named, arrays[named].read(), count)
         mesh.cells[simplices.shape[1]] = simplices
     mesh.fields |= {
         key: array.read()
         for key, array in arrays.items()
-        if key not in (*RESERVED, mesh.chosen)
+        if key not in (*RESERVED, mesh.chosen, named)
         and array.ndim in (1, 2)
         and array.nbytes
         and len(array) == count
@@ -140,6 +150,12 @@ def _points_among(source: Source, arrays: Mapping[str, Held]) -> FileMesh:
         name = next(key for key in _POINTS if key in names)
         source.guess(f"of {len(names)} arrays of two dimensions {name!r} is read")
     else:
+        if arrays and all(array.dtype.hasobject for array in arrays.values()):
+            source.fail(
+                f"its arrays, {', '.join(arrays)}, hold Python objects, which are not "
+                "loaded, for they can run anything: save numbers, as in "
+                "array.astype(float)"
+            )
         found = ", ".join(f"{key} {array.shape}" for key, array in arrays.items())
         remedy = f": columns={names[0]!r} would read one of them" if names else ""
         source.fail(
@@ -151,18 +167,36 @@ def _points_among(source: Source, arrays: Mapping[str, Held]) -> FileMesh:
     return mesh
 
 
+def _simplices_among(source: Source, arrays: Mapping[str, Held]) -> str | None:
+    """Name of the array of simplices; others call them faces, triangles, cells."""
+    if "simplices" in arrays:
+        return "simplices"
+    found = [
+        (array.shape[1], name)
+        for name, array in arrays.items()
+        if name.lower() in _SIMPLICES and array.ndim == 2 and array.dtype.kind in "iu"
+    ]
+    if not found:
+        return None
+    name = max(found, key=operator.itemgetter(0))[1]
+    source.guess(f"simplices are the array {name!r}")
+    return name
+
+
 def _simplices(
-    source: Source, array: NDArray[Any], num_points: int
+    source: Source, name: str, array: NDArray[Any], num_points: int
 ) -> NDArray[np.int64]:
     if array.ndim != 2 or array.shape[1] < 1 or array.dtype.kind not in "iu":
         source.fail(
-            "the array 'simplices' must hold integers of shape (M, K + 1), "
+            f"the array {name!r} must hold integers of shape (M, K + 1), "
             f"found {array.dtype} {array.shape}"
         )
     if array.size and not 0 <= array.min() <= array.max() < num_points:
+        from_one = array.min() == 1 and array.max() == num_points
+        remedy = "; they count from 1: save them less 1" if from_one else ""
         source.fail(
-            f"the array 'simplices' must hold indices from 0 to {num_points - 1}, "
-            f"found {array.min()} to {array.max()}"
+            f"the array {name!r} must hold indices from 0 to {num_points - 1}, "
+            f"found {array.min()} to {array.max()}{remedy}"
         )
     return array.astype(np.int64)
 

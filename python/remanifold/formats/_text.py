@@ -12,14 +12,26 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from remanifold._base.colors import are_whole
 from remanifold.formats._mesh import Table
 from remanifold.formats._seems import START, seems
-from remanifold.formats._source import Source
+from remanifold.formats._source import Source, as_number
 
 _LINES = re.compile(r"\r\n|\n|\r")
 _COMMENT = re.compile(r"\s*(#|//|%)")
-_DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?")
-_MISSING = frozenset(("", "na", "n/a", "null", "none", "nil", "-", "--", "?", "nan()"))
+_DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eEdD][+-]?\d+)?")
+# What stands for no number: also Excel's errors, SAS's point, and what C and Fortran print.
+_MISSING = frozenset(
+    (
+        *("", "na", "n/a", "null", "<null>", "none", "nil", "-", "--", "?", "."),
+        *("#n/a", "#na", "#value!", "#div/0!", "#num!", "#null!", "#ref!"),
+        *("nan()", "nan(ind)", "-nan(ind)", "nan(snan)", "-nan(snan)"),
+    )
+)
+_NO_NUMBER = re.compile(r"[+-]?1\.#(?:ind|qnan|snan)\d*|\*+", re.IGNORECASE)
+_SEPARATOR_LINE = re.compile(r"sep=(.)\s*", re.IGNORECASE)  # Excel's own first line
+_BRACKETS = re.compile(r"\s*[\[({].*[\])}]\s*[,;]?\s*")
+_NO_BRACKETS = str.maketrans("[](){}", "      ")
 _SEPARATORS = {
     ",": "commas",
     ";": "semicolons",
@@ -28,6 +40,8 @@ _SEPARATORS = {
     None: "blanks",
 }
 _MOST_SHOWN = 60
+_SAMPLE = 20  # rows that show how a table is written
+_MOST_BEFORE = 60  # lines before a table
 
 Rows = Iterator[tuple[int, list[str]]]
 
@@ -41,16 +55,22 @@ class Layout:
     comma: bool  # decimal commas
     names: list[str] | None
     expected: int | None = None  # rows, where the file begins with their number
+    quoted: bool = False  # decimal commas in quotes, between commas
+    said: str = ""  # what was taken for granted
 
 
 def is_number(cell: str) -> bool:
     """Whether a cell is one."""
     try:
-        float(cell)
+        as_number(cell)
     except ValueError:
         return False
     # float() takes 1_000 too, which no table means.
     return "_" not in cell
+
+
+def _is_missing(cell: str) -> bool:
+    return cell.lower() in _MISSING or _NO_NUMBER.fullmatch(cell) is not None
 
 
 def split_lines(text: str) -> list[str]:
@@ -70,8 +90,10 @@ def read_columns(source: Source, usual: str | None, counted: bool = False) -> Ta
     suffix = seems(source.data[:START])[1]
     if suffix is not None and suffix not in (".csv", ".txt"):
         source.fail("is no table")
-    lines = split_lines(source.decoded())
+    lines = _without_brackets(split_lines(source.decoded()))
     layout = find_layout(lines, usual, counted)
+    if layout.said:
+        source.guess(layout.said)
     if layout.separator != usual and layout.separator is not None:
         source.note(f"cells are separated by {_SEPARATORS[layout.separator]}")
     if layout.comma:
@@ -79,6 +101,9 @@ def read_columns(source: Source, usual: str | None, counted: bool = False) -> Ta
     columns = _fast(lines, layout)
     if columns is None:
         columns = _careful(source, lines, layout, counted)
+    if layout.names is None and _begins_with_sizes(columns):
+        source.guess("its first row tells how many rows follow and is left out")
+        columns = [column[1:] for column in columns]
     found = len(columns[0]) if columns else 0
     if layout.expected is not None and found < layout.expected:
         source.fail(
@@ -90,6 +115,22 @@ def read_columns(source: Source, usual: str | None, counted: bool = False) -> Ta
             "are read"
         )
     return Table(columns, _fitting_names(layout.names, len(columns)))
+
+
+def _begins_with_sizes(columns: list[NDArray[Any]]) -> bool:
+    """Whether a first row is "rows columns 0 ...", as TetGen and Triangle write it."""
+    if len(columns) < 3 or any(column.dtype.kind != "f" for column in columns):
+        return False
+    first = [column[0] for column in columns]
+    if first[0] != len(columns[0]) - 1 or first[1] not in (2, 3) or first[0] < 3:
+        return False
+    rest = np.column_stack(columns)[1:]
+    # The others are numbered, from 0 or 1.
+    return bool(
+        are_whole(np.array(first))
+        and rest[0, 0] in (0, 1)
+        and (np.diff(rest[:, 0]) == 1).all()
+    )
 
 
 def _fitting_names(names: list[str] | None, count: int) -> list[str] | None:
@@ -105,12 +146,18 @@ def find_layout(lines: list[str], usual: str | None, counted: bool) -> Layout:
     said: list[str] = []  # comments before the table, which may be its names
     expected = None
     start = 0
+    if lines and (found := _SEPARATOR_LINE.fullmatch(lines[0])) is not None:
+        start, usual = 1, found[1]
     while start < len(lines):
         line = lines[start]
         mark = _COMMENT.match(line)
         if mark is not None:
             said.append(line[mark.end() :])
         elif line.strip():
+            if counted and expected is None and (size := _size(lines, start)):
+                expected = size
+                start += 1
+                continue
             if not (counted and expected is None and line.strip().isdecimal()):
                 break
             following = next((x for x in lines[start + 1 :] if x.strip()), "")
@@ -120,31 +167,132 @@ def find_layout(lines: list[str], usual: str | None, counted: bool) -> Layout:
             if following.strip() and not _has_numbers(following):
                 start = lines.index(following, start + 1)  # a comment
         start += 1
-    sample = [
-        x for x in lines[start : start + 20] if x.strip() and not _COMMENT.match(x)
-    ]
-    separator, comma = _separator(sample, usual)
-    names = None
+    sample = _sample(lines, start)
+    separator, comma, quoted = _separator(sample, usual)
+    layout = Layout(start, separator, comma, None, expected, quoted)
     if sample:
-        cells = _cells(sample[0], separator)
-        if not any(is_number(_decimal(cell, comma)) for cell in cells) and any(cells):
-            names = cells
-            start += 1
-            while start < len(lines) and _is_units(lines[start], separator, comma):
-                start += 1
-        elif said:
-            names = _names_in_comment(said[-1], separator, len(cells))
-    return Layout(start, separator, comma, names, expected)
+        _skip_words_before(lines, layout)
+        layout.names = _take_names(lines, layout, said)
+    return layout
+
+
+def _without_brackets(lines: list[str]) -> list[str]:
+    """Lines of a table whose rows are in brackets, as Python and MATLAB print them."""
+    filled = [line for line in lines if line.strip()]
+    if not filled or not all(map(_BRACKETS.fullmatch, filled[1 : _SAMPLE + 1])):
+        return lines
+    inside = [line.translate(_NO_BRACKETS).strip() for line in lines]
+    # Of one row too, or units in brackets below names.
+    rows = [re.split(r"[\s,;]+", line.rstrip(",; ")) for line in inside if line]
+    if not all(map(is_number, [c for row in rows[1 : _SAMPLE + 1] for c in row])):
+        return lines
+    return [line.rstrip(",; ") for line in inside]
+
+
+def _sample(lines: list[str], start: int) -> list[str]:
+    return [
+        x for x in lines[start : start + _SAMPLE] if x.strip() and not _COMMENT.match(x)
+    ]
+
+
+def _numbers(line: str, layout: Layout) -> list[bool]:
+    cells = _cells(line, layout.separator)
+    return [is_number(_decimal(cell, layout.comma)) for cell in cells]
+
+
+def _skip_words_before(lines: list[str], layout: Layout) -> None:
+    """Begin behind titles and remarks: lines with words, of another width than the rows."""
+    places = [
+        i
+        for i in range(layout.start, min(layout.start + _MOST_BEFORE, len(lines)))
+        if lines[i].strip() and not _COMMENT.match(lines[i])
+    ]
+    # The first of two lines that have as many cells, and numbers in the same ones.
+    rows = [_numbers(lines[i], layout) for i in places]
+    first = next(
+        (k for k in range(len(rows) - 1) if any(rows[k]) and rows[k] == rows[k + 1]), 0
+    )
+    width = len(rows[first])
+    before = [
+        k for k in range(first) if abs(len(rows[k]) - width) > 1 and not all(rows[k])
+    ]
+    if not before or width < 2:
+        return
+    skipped = before[-1] + 1
+    layout.start = places[skipped]
+    count = layout.start - places[0]
+    layout.said = (
+        f"the first {count} lines above the table are left out"
+        if count > 1
+        else "the first line above the table is left out"
+    )
+    # They may have had other separators.
+    found = _separator(_sample(lines, layout.start), layout.separator)
+    layout.separator, layout.comma, layout.quoted = found
+
+
+def _take_names(lines: list[str], layout: Layout, said: list[str]) -> list[str] | None:
+    """Names of the columns; what is below them, such as units, is passed over."""
+    sample = _sample(lines, layout.start)
+    cells = _cells(sample[0], layout.separator)
+    counting = _are_numbers_of_columns(cells, sample[1:])
+    if not counting and (any(_numbers(sample[0], layout)) or not any(cells)):
+        return (
+            _names_in_comment(said[-1], layout.separator, len(cells)) if said else None
+        )
+    if counting:
+        shown = ", ".join(filter(None, cells))
+        layout.said = (
+            f"its first line, {shown}, is taken for the numbers of the columns"
+        )
+    while not lines[layout.start].strip() or _COMMENT.match(lines[layout.start]):
+        layout.start += 1
+    layout.start += 1
+    while layout.start < len(lines) and _is_units(lines, layout):
+        layout.start += 1
+    return cells
+
+
+def _are_numbers_of_columns(cells: list[str], rows: list[str]) -> bool:
+    """Whether a first line is 0, 1, 2, as pandas writes arrays: no point, but names."""
+    own = cells[1:] if cells[:1] == [""] else cells
+    if len(own) < 2 or own != [str(i) for i in range(len(own))] or not rows:
+        return False
+    # Whole numbers among whole numbers are numbers.
+    return cells[0] == "" or all("." in row for row in rows)
+
+
+def _size(lines: list[str], start: int) -> int | None:
+    """Rows that a line "rows columns" tells of, if it stands above as many columns."""
+    found = re.fullmatch(r"\s*(\d{1,15})[\s,;]+(\d{1,6})\s*", lines[start])
+    following = next((x for x in lines[start + 1 :] if x.strip()), "").split()
+    if found is None or len(following) == 2 or len(following) != int(found[2]):
+        return None
+    return int(found[1]) if all(map(is_number, following)) else None
 
 
 def _has_numbers(line: str) -> bool:
     return sum(is_number(word) for word in re.split(r"[\s,;]+", line.strip())) > 1
 
 
-def _is_units(line: str, separator: str | None, comma: bool) -> bool:
-    """A second line of words, such as [m], or an empty one."""
-    cells = _cells(line, separator)
-    return all(re.fullmatch(r"[\[(].*[\])]|", cell) for cell in cells) and not comma
+def _is_units(lines: list[str], layout: Layout) -> bool:
+    """Whether a line below the names is one of units, such as [m], or an empty one.
+
+    One of words is, where numbers follow.
+    """
+    cells = _cells(lines[layout.start], layout.separator)
+    if all(re.fullmatch(r"[\[(].*[\])]|", cell) for cell in cells):
+        return True
+    if (
+        len(cells) < 2
+        or all(map(_is_missing, cells))
+        or lines[layout.start + 1 :] == []
+    ):
+        return False
+    if any(map(_is_missing, filter(None, cells))):
+        return False
+    above, below = (_numbers(lines[layout.start + i], layout) for i in range(2))
+    return not any(above) and any(below) and len(above) == len(below)
 
 
 def _names_in_comment(text: str, separator: str | None, count: int) -> list[str] | None:
@@ -158,30 +306,31 @@ def _names_in_comment(text: str, separator: str | None, count: int) -> list[str]
     return None
 
 
-def _separator(sample: list[str], usual: str | None) -> tuple[str | None, bool]:
-    """What separates cells, and whether decimals are written with commas."""
+def _separator(sample: list[str], usual: str | None) -> tuple[str | None, bool, bool]:
+    """What separates cells, and whether decimals are written with commas, in quotes."""
     rows = [line for line in sample if re.search(r"\d", line)] or sample
     if not rows:
-        return usual, False
+        return usual, False, False
     row = rows[-1]
     for mark in (";", "\t", "|"):
         if mark in row and all(mark in line for line in rows):
             cells = [cell.strip() for cell in row.split(mark)]
             comma = any(_DECIMAL_COMMA.fullmatch(cell) for cell in cells)
             if mark == "\t" and usual is None and not comma and "" not in cells:
-                return None, False  # tabs are blanks
-            return mark, comma
+                return None, False, False  # tabs are blanks
+            return mark, comma, False
     words = row.split()
     if len(words) > 1 and all(
         _DECIMAL_COMMA.fullmatch(word) or is_number(word) for word in words
     ):
         comma = any(_DECIMAL_COMMA.fullmatch(word) for word in words)
-        return None, comma
+        return None, comma, False
     if "," in row and (usual == "," or all("," in line for line in rows)):
-        return ",", False
+        quoted = '"' in row and any(map(_DECIMAL_COMMA.fullmatch, _cells(row, ",")))
+        return ",", quoted, quoted
     if usual == "," and len(words) > 1 and not any("," in line for line in rows):
-        return None, False
-    return usual, False
+        return None, False, False
+    return usual, False, False
 
 
 def _cells(line: str, separator: str | None) -> list[str]:
@@ -198,6 +347,8 @@ def _decimal(cell: str, comma: bool) -> str:
 def _fast(lines: list[str], layout: Layout) -> list[NDArray[Any]] | None:
     """Read numbers and nothing else by NumPy; None where anything is unusual."""
     rows = lines[layout.start :]
+    if layout.quoted:
+        return None
     if layout.comma:
         rows = [row.replace(",", ".") for row in rows]
     if not rows or any("_" in row for row in rows[:20]):
@@ -287,11 +438,11 @@ def _column(
     cells = [_decimal(row[i], layout.comma) for row in rows]
     try:
         if not any("_" in cell for cell in cells):
-            return np.array([float(cell) for cell in cells])
+            return np.array([as_number(cell) for cell in cells])
     except ValueError:
         pass
     numbers = [is_number(cell) for cell in cells]
-    missing = [cell.lower() in _MISSING for cell in cells]
+    missing = [_is_missing(cell) for cell in cells]
     # Several rows of words are words; a single one stands where a number should.
     wrong = [
         k for k, (a, b) in enumerate(zip(numbers, missing, strict=True)) if not (a or b)
@@ -304,5 +455,5 @@ def _column(
     if wrong:
         return np.array(cells)
     return np.array(
-        [float(c) if a else np.nan for c, a in zip(cells, numbers, strict=True)]
+        [as_number(c) if a else np.nan for c, a in zip(cells, numbers, strict=True)]
     )

@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from remanifold._base.optional import load
-from remanifold.formats._arrays import MOST_PER_BYTE, Held
+from remanifold.formats._arrays import Held
 from remanifold.formats._columns import mesh_of_table
 from remanifold.formats._mesh import FileMesh, Table
+from remanifold.formats._packed import MOST_PER_BYTE
 from remanifold.formats._source import Source
 from remanifold.formats._tables import mesh_of_arrays
 

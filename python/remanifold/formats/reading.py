@@ -21,6 +21,7 @@ from remanifold.formats._las import read_las
 from remanifold.formats._mesh import FileMesh
 from remanifold.formats._obj import read_obj
 from remanifold.formats._off import read_off
+from remanifold.formats._packed import inner_name
 from remanifold.formats._parquet import read_parquet
 from remanifold.formats._pcd import read_pcd
 from remanifold.formats._ply import read_ply
@@ -79,6 +80,18 @@ WITH_SIMPLICES = (
 )
 _FEW_ROWS, _MANY_COLUMNS = 4, 12  # of what was most likely meant the other way round
 _FOLDERS = (".zarr",)  # formats that are folders
+# Tables have no NaN of their own, and programs write one of these instead: surveys, rasters,
+# SAS, Surfer, NetCDF, and the largest number of single precision.
+_NO_DATA = (
+    *(-999.0, -9999.0, -99999.0, -999999.0, -9999.99, -999.25, 9999.0, 99999.0),
+    *(-32768.0, -32767.0, -2147483648.0, 999999.0, 1e20, 1e30, -1e30, 1e36, 1.70141e38),
+    *(-3.4028234663852886e38, 3.4028234663852886e38, 9.969209968386869e36),
+)
+_TABLES = (
+    *(".csv", ".tsv", ".txt", ".xyz", ".asc", ".pts", ".pcd"),
+    ".parquet",
+    ".npy",
+)
 Columns = str | Sequence[int | str]
 
 
@@ -263,6 +276,8 @@ def read_file(
             source.fail("holds no points")
         if source.columns is not None:
             take_columns(source, mesh)
+        if suffix in _TABLES:
+            _mark_missing(source, mesh)
         _look_at_shape(source, mesh)
     except ValueError as error:
         more = advice(source)
@@ -293,6 +308,30 @@ def _damage(source: Source) -> Iterator[None]:
         source.fail(f"is damaged or truncated ({reason})", error)
 
 
+def _mark_missing(source: Source, mesh: FileMesh) -> None:
+    """Make NaN of numbers that stand for none, such as -9999 far from all others."""
+    found: dict[float, list[int]] = {}  # coordinates that have a number instead of NaN
+    for axis, column in enumerate(mesh.points.T):
+        values = column[np.isfinite(column)]
+        for value in {values.min(), values.max()} if len(values) else ():
+            others = values[values != value]
+            if (
+                len(others) < 2
+                or not np.isclose(value, _NO_DATA, rtol=1e-6, atol=0).any()
+            ):
+                continue  # single precision has its own 1e30
+            low, high = others.min(), others.max()
+            if min(abs(value - low), abs(value - high)) > high - low:
+                column[column == value] = np.nan
+                found.setdefault(float(value), []).append(axis)
+    for value, axes in found.items():
+        where = ", ".join(map(str, axes[:12])) + (", ..." if len(axes) > 12 else "")
+        source.guess(
+            f"{value:g}, far from all other numbers of coordinate {where}, is read as "
+            "NaN, for missing values are written so"
+        )
+
+
 def _look_at_shape(source: Source, mesh: FileMesh) -> None:
     """Say where coordinates stand in rows."""
     count, dim = mesh.points.shape
@@ -307,10 +346,10 @@ def _checked_suffix(path: StrPath, format: str | None, known: tuple[str, ...]) -
     """Suffix of a format that can be read, of a file that is there."""
     standard = is_standard(path)
     folder = not standard and Path(path).is_dir()
-    if folder and suffix_of(path, format, known) not in _FOLDERS:
+    suffix = suffix_of(inner_name(path), format, known)
+    if folder and suffix not in _FOLDERS:
         msg = f"{path}: is a directory, expected a file with points"
         raise IsADirectoryError(msg)
-    suffix = suffix_of(path, format, known)
     if suffix not in known:
         what = "points" if known == tuple(READERS) else "simplices"
         more = ""

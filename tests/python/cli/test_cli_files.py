@@ -246,7 +246,7 @@ def test_what_a_file_seems_to_be(tmp_path):
         ("a.ply", b"\x89PNG\r\n\x1a\n", "it seems to be a PNG picture"),
         ("a.las", b"<!DOCTYPE html>", "it seems to be a web page, not the file itself"),
         ("a.laz", b"version https://git-lfs.github.com/spec/v1", "run git lfs pull"),
-        ("a.xyz", b"\x1f\x8b\x08\0\0\0\0", "compressed by gzip: gunzip it first"),
+        ("a.xyz", b"\x1f\x8b\x08\0\0\0\0", "is compressed, and damaged or truncated"),
         ("a.csv", b"PK\3\4" + b"\0" * 26 + b"xl/workbook.xml", "save it as .csv"),
         ("a.off", b"ply\nformat ascii 1.0\n", "a PLY file: say --format ply"),
         ("a.npy", b"\x80\x04\x95", "a pickle of Python; save its array by numpy.save"),

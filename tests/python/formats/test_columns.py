@@ -3,6 +3,10 @@
 
 from __future__ import annotations
 
+import bz2
+import gzip
+import lzma
+
 import numpy as np
 import pytest
 
@@ -328,6 +332,26 @@ def test_archives_of_columns_and_records(tmp_path):
         ("quotes.csv", '"x","y","z"\n"1.5","2","3"\n"4","5.25","6"\n'),
         ("comments.asc", "// a scan\n% more\n1.5 2 3 # one\n4 5.25 6\n"),
         ("bars.csv", "x|y|z\n1.5|2|3\n4|5.25|6\n"),
+        ("markdown.txt", "x|y|z\n---|---|---\n1.5|2|3\n4|5.25|6\n"),
+        ("fortran.txt", "1.5D+00 .2D+1 3d0\n4.D0 +5.25Q+00 0.6E+1\n"),
+        ("fortran.csv", "x,y,z\n1.5D+00,0.2D+01,3\n4,5.25,6\n"),
+        ("words.csv", "x,y,z,t\nm,m,m,degC\n1.5,2,3,9\n4,5.25,6,9\n"),
+        ("words.txt", "x y z\ndouble double double\n1.5 2 3\n4 5.25 6\n"),
+        ("units_decimals.csv", "x;y;z\n(m);(m);(m)\n1,5;2;3\n4;5,25;6\n"),
+        ("excel.csv", "sep=;\nx;y;z\n1.5;2;3\n4;5.25;6\n"),
+        ("sheets.csv", 'x,y,z\n"1,5","2","3"\n"4,0","5,25","6,0"\n'),
+        ("no_mark.csv", "x,y,z\n1.5,2,3\n4,5.25,6\n".encode("utf-16-le")),
+        ("no_mark_big.csv", "x,y,z\n1.5,2,3\n4,5.25,6\n".encode("utf-16-be")),
+        ("printed.txt", "(1.5, 2, 3)\n(4, 5.25, 6)\n"),
+        ("python.txt", "[[1.5, 2, 3],\n [4, 5.25, 6]]\n"),
+        ("numpy.txt", "[[1.5  2.  3. ]\n [4.   5.25 6. ]]\n"),
+        ("matlab.txt", "[1.5 2 3];\n[4 5.25 6];\n"),
+        ("sizes.txt", "2 3\n1.5 2 3\n4 5.25 6\n"),
+        ("table.csv.gz", gzip.compress(b"x,y,z\n1.5,2,3\n4,5.25,6\n")),
+        ("table.txt.bz2", bz2.compress(b"1.5 2 3\n4 5.25 6\n")),
+        ("table.xyz.xz", lzma.compress(b"1.5 2 3\n4 5.25 6\n")),
+        ("not_said.csv", gzip.compress(b"1.5,2,3\n4,5.25,6\n")),
+        ("two.csv.xz", lzma.compress(b"1.5,2,3\n") + lzma.compress(b"4,5.25,6\n")),
     ],
 )
 def test_tables_however_they_are_written(tmp_path, name, content):
@@ -343,11 +367,123 @@ def test_tables_however_they_are_written(tmp_path, name, content):
         ("a.csv", "x,y\n1.5,2\n1_000,4\n", "line 3: expected numbers .* found '1_000'"),
         ("a.csv", "name,kind\na,b\nc,d\n", "expected numbers separated by commas"),
         ("a.csv", b"x,y\n1,2\n\x00,4\n", "is no text file"),
+        ("a.csv", "x,y,z\na,b,c\nd,e,f\n", "expected numbers separated by commas"),
+        ("a.csv", "1,2,3\n4,5\n6,7\n", "line 2: expected 3 numbers as before, found 2"),
+        ("a.csv.gz", gzip.compress(b"1,2\n3,4\n")[:-9], "is compressed, and damaged"),
+        ("a.csv.bz2", bz2.compress(b"1,2\n3,4\n")[:-9], "is compressed, and damaged"),
+        ("a.csv.xz", lzma.compress(b"1,2\n3,4\n")[:-9], "is compressed, and damaged"),
+        ("a.csv.xz", lzma.compress(bytes(10**6)), "makes more than"),
+        ("a.csv.bz2", bz2.compress(bytes(10**6)), "makes more than"),
+        (
+            "a.gz",
+            gzip.compress(b"1,2\n" * 9),
+            "a table with commas .*: say format 'csv'",
+        ),
     ],
 )
 def test_tables_that_break(tmp_path, name, content, message):
     with pytest.raises(ValueError, match=message):
         read_points(put(tmp_path / name, content))
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        ",0,1,2\n0,1.5,2.0,3.0\n1,4.0,5.25,6.0\n",  # pandas, with its index
+        "0,1,2\n1.5,2.0,3.0\n4.0,5.25,6.0\n",  # and without
+    ],
+)
+def test_numbers_of_columns_are_no_point(tmp_path, content):
+    path = put(tmp_path / "a.csv", content)
+    with pytest.warns(rm.FileWarning, match="0, 1, 2, is taken for the numbers of"):
+        points = read_points(path)
+    np.testing.assert_array_equal(points[:, -3:], [[1.5, 2, 3], [4, 5.25, 6]])
+    whole = "0,1,2\n3,4,5\n6,7,8\n"  # a point like the others
+    assert len(read_points(put(tmp_path / "b.csv", whole))) == 3
+
+
+def test_titles_above_a_table(tmp_path):
+    rows = "1.5,2,3,4\n4,5.25,6,4\n"
+    head = "Survey of 12 May, north\nstation,7\n\nx,y,z,q\nm,m,m,s\n"
+    path = put(tmp_path / "a.csv", head + rows)
+    with pytest.warns(rm.FileWarning, match="the first 3 lines above the table are"):
+        points, fields = read(path)
+    np.testing.assert_array_equal(points, [[1.5, 2, 3], [4, 5.25, 6]])
+    assert [*fields] == ["q"]
+
+
+def test_the_first_row_of_tetgen_is_no_point(tmp_path):
+    rows = "".join(f"{i + 1} {x} {y} {z}\n" for i, (x, y, z) in enumerate(XYZ.tolist()))
+    path = put(tmp_path / "a.txt", f"{len(XYZ)} 3 0 0\n{rows}")
+    with pytest.warns(rm.FileWarning) as caught:
+        np.testing.assert_array_equal(read_points(path), XYZ)
+    assert any("its first row tells how many" in str(w.message) for w in caught)
+
+
+@pytest.mark.parametrize("value", ["-9999", "1e30", "-3.4028235e38", "99999.0"])
+def test_numbers_that_stand_for_none_are_nan(tmp_path, value):
+    rows = [[f"{v:.10g}" for v in row] for row in XYZ + 300]
+    for i in (3, 8):
+        rows[i][2] = value
+    path = put(tmp_path / "a.csv", "\n".join(map(",".join, [["x", "y", "z"], *rows])))
+    with pytest.warns(rm.FileWarning, match="numbers of coordinate 2, is read as NaN"):
+        points = read_points(path)
+    assert np.flatnonzero(np.isnan(points).any(axis=1)).tolist() == [3, 8]
+    assert np.isfinite(points[:, :2]).all()
+
+
+def test_numbers_among_others_are_numbers(tmp_path):
+    heights = np.linspace(-12000, 3000, 40)
+    heights[7] = -9999
+    path = table(tmp_path / "a.csv", ["x", "y", "z"], XYZ[:, :2], heights)
+    np.testing.assert_allclose(read_points(path)[:, 2], heights)
+
+
+def test_cells_of_programs_that_hold_no_number(tmp_path):
+    words = [
+        "#N/A",
+        ".",
+        "-nan(ind)",
+        "1.#QNAN",
+        "-1.#IND00",
+        "****",
+        "#DIV/0!",
+        "<NULL>",
+    ]
+    rows = "".join(f"1,2,{word}\n" for word in words)
+    points = read_points(put(tmp_path / "a.csv", f"x,y,z\n{rows}1,2,3\n"))
+    assert np.isnan(points[:-1, 2]).all()
+    assert points[-1].tolist() == [1, 2, 3]
+
+
+@pytest.mark.parametrize("names", [["N", "E", "Z"], ["n", "e", "h"]])
+def test_north_and_east_are_in_the_order_of_a_map(tmp_path, names):
+    path = table(tmp_path / "a.csv", names, XYZ[:, [1, 0, 2]])
+    np.testing.assert_array_equal(read_points(path), XYZ)
+
+
+def test_archives_of_others_with_faces(tmp_path):
+    faces = np.array([[0, 1, 2], [1, 2, 3]])
+    np.savez(tmp_path / "a.npz", vertices=XYZ, faces=faces, edges=faces[:, :2])
+    with pytest.warns(rm.FileWarning) as caught:
+        mesh = rm.io.read_complex(tmp_path / "a.npz")
+    assert any("simplices are the array 'faces'" in str(w.message) for w in caught)
+    np.testing.assert_array_equal(mesh.simplices, faces)
+    np.savez(tmp_path / "a.npz", points=XYZ[:4], simplices=faces + 1)
+    with pytest.raises(ValueError, match="count from 1: save them less 1"):
+        rm.io.read_complex(tmp_path / "a.npz")
+
+
+def test_objects_in_an_archive_are_named(tmp_path):
+    held = np.empty(2, dtype=object)
+    np.savez(tmp_path / "a.npz", clouds=held)
+    with pytest.raises(ValueError, match="its arrays, clouds, hold Python objects"):
+        read_points(tmp_path / "a.npz")
+
+
+def test_nothing_is_written_as_if_it_were_compressed(tmp_path):
+    with pytest.raises(ValueError, match="gz"):
+        write_points(tmp_path / "a.csv.gz", XYZ)
 
 
 def test_scans_one_after_the_other(tmp_path):

@@ -3,7 +3,10 @@
 
 from __future__ import annotations
 
+import bz2
+import gzip
 import importlib.util
+import lzma
 import re
 import warnings
 from pathlib import Path
@@ -74,6 +77,9 @@ TEXTS = {
 MORE = {
     "binary.pcd": pcd("binary", POINTS.tobytes()),
     "molecule.xyz": "\n".join(["20", "", *(f"C {row}" for row in rows())]).encode(),
+    "packed.csv.gz": gzip.compress("\n".join(rows(",")).encode(), mtime=0),
+    "packed.txt.bz2": bz2.compress("\n".join(rows()).encode()),
+    "packed.xyz.xz": lzma.compress("\n".join(rows()).encode()),
     "semicolons.csv": "\n".join(["x;y;z", *rows(";")]).replace(".", ",").encode(),
 }
 
