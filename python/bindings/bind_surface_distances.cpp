@@ -23,11 +23,11 @@ py::array distances(const InputArray<Index>& triangles,
 }
 
 py::tuple delaunay(const InputArray<Index>& triangles,
-                   const InputArray<double>& lengths) {
+                   const InputArray<double>& lengths, bool both_sides) {
   const SimplexArray surface{3, to_vector(triangles)};
   const std::vector<double> sides = to_vector(lengths);
   IntrinsicTriangulation result = run(1, py::none(), [&](const Execution& execution) {
-    return intrinsic_delaunay(surface, sides, execution);
+    return intrinsic_delaunay(surface, sides, both_sides, execution);
   });
   const auto count = static_cast<py::ssize_t>(result.triangles.size());
   return py::make_tuple(to_numpy(std::move(result.triangles)),
@@ -42,7 +42,7 @@ void bind_surface_distances(py::module_& module) {
              py::arg("lengths").noconvert(), py::arg("num_vertices"),
              py::arg("sources").noconvert());
   module.def("intrinsic_delaunay", &delaunay, py::arg("triangles").noconvert(),
-             py::arg("lengths").noconvert());
+             py::arg("lengths").noconvert(), py::arg("both_sides") = false);
 }
 
 }  // namespace remanifold::python

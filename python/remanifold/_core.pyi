@@ -215,7 +215,9 @@ def simplify(
     progress: _Progress,
 ) -> tuple[NDArray[np.int32], NDArray[np.float64]]: ...
 def intrinsic_delaunay(
-    triangles: NDArray[np.int32], lengths: NDArray[np.float64]
+    triangles: NDArray[np.int32],
+    lengths: NDArray[np.float64],
+    both_sides: bool = False,
 ) -> tuple[NDArray[np.int32], NDArray[np.float64], int, bool]: ...
 def surface_distances(
     triangles: NDArray[np.int32],

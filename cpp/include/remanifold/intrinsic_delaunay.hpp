@@ -25,12 +25,21 @@ struct IntrinsicTriangulation {
 /// alone, have a boundary and be not orientable. Edges of more than two triangles stay, and
 /// so do the sides of triangles whose lengths are those of none.
 ///
+/// An edge of one triangle stays as well, and its weight is negative where the angle opposite
+/// to it is obtuse. With both_sides the surface is taken twice, and the sides are sewn
+/// together along the edges of one triangle, and in a circle at those of three and more: then
+/// every edge has two triangles and no weight is negative, if each triangle counts half
+/// (Sharp and Crane, A Laplacian for nonmanifold triangle meshes, Computer Graphics Forum
+/// 39(5), 2020).
+///
 /// No more than a hundred flips a triangle; some tenths are usual. Memory O(M).
-/// \param triangles  of any orientation
-/// \param lengths    of the edges opposite to the vertices of each triangle, in its order
+/// \param triangles   of any orientation
+/// \param lengths     of the edges opposite to the vertices of each triangle, in its order
+/// \param both_sides  the result has 2 M triangles
 /// \throws std::invalid_argument  other simplices than triangles, or not three lengths each
 IntrinsicTriangulation intrinsic_delaunay(const SimplexArray& triangles,
                                           const std::vector<double>& lengths,
+                                          bool both_sides = false,
                                           const Execution& execution = {});
 
 }  // namespace remanifold

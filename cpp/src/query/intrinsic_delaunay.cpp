@@ -29,9 +29,14 @@ Side previous(Side side) { return side % 3 == 0 ? side + 2 : side - 1; }
 
 class Flipper {
  public:
-  Flipper(const SimplexArray& triangles, const std::vector<double>& lengths)
-      : corners_(triangles.vertices), lengths_(lengths), glue_(lengths.size()) {
-    pair_sides();
+  Flipper(const SimplexArray& triangles, const std::vector<double>& lengths,
+          bool both_sides)
+      : corners_(triangles.vertices), lengths_(lengths) {
+    if (both_sides) {
+      add_backs();
+    }
+    glue_.resize(lengths_.size());
+    pair_sides(both_sides);
   }
 
   IntrinsicTriangulation run(const Execution& execution) {
@@ -91,7 +96,18 @@ class Flipper {
     return longest > 0 && 2 * longest <= sum * (1 + kLongSide);
   }
 
-  void pair_sides() {
+  /// Triangle M + t is t seen from behind: corners 1 and 2 change places.
+  void add_backs() {
+    const std::size_t size = corners_.size();
+    for (std::size_t first = 0; first < size; first += 3) {
+      for (const std::size_t corner : {first, first + 2, first + 1}) {
+        corners_.push_back(Index{corners_[corner]});
+        lengths_.push_back(double{lengths_[corner]});
+      }
+    }
+  }
+
+  void pair_sides(bool both_sides) {
     struct Ends {
       Index low;
       Index high;
@@ -113,6 +129,10 @@ class Flipper {
     for (std::size_t i = 0, end = 0; i < ends.size(); i = end) {
       for (end = i + 1; end < ends.size() && same(i, end); ++end) {
       }
+      if (both_sides) {
+        sew(i, end, [&](std::size_t place) { return ends[place].side; });
+        continue;
+      }
       const Side a = ends[i].side;
       if (end - i != 2 || !is_triangle(a / 3)) {
         continue;
@@ -122,6 +142,32 @@ class Flipper {
         const bool alike = from(a) == from(b);
         glue_[a] = {b, alike};
         glue_[b] = {a, alike};
+      }
+    }
+  }
+
+  /// Glues the sides of one edge, from begin to end, in pairs that lead opposite ways: the
+  /// one that leads up of each triangle to the one that leads down of the next.
+  template <typename SideAt>
+  void sew(std::size_t begin, std::size_t end, const SideAt& side_at) {
+    std::vector<Side> up;
+    std::vector<Side> down;
+    for (std::size_t i = begin; i < end; ++i) {
+      const Side side = side_at(i);
+      (from(side) < to(side) ? up : down).push_back(side);
+    }
+    // Fronts come before backs: put the sides of each triangle into the same place.
+    const Side half = static_cast<Side>(corners_.size()) / 2;
+    const auto triangle = [&](Side side) { return side % half / 3; };
+    const auto before = [&](Side a, Side b) { return triangle(a) < triangle(b); };
+    std::sort(up.begin(), up.end(), before);
+    std::sort(down.begin(), down.end(), before);
+    for (std::size_t i = 0; i < up.size(); ++i) {
+      const Side a = up[i];
+      const Side b = down[(i + 1) % down.size()];
+      if (is_triangle(a / 3) && is_triangle(b / 3)) {
+        glue_[a] = {b, false};
+        glue_[b] = {a, false};
       }
     }
   }
@@ -234,7 +280,7 @@ class Flipper {
 
 IntrinsicTriangulation intrinsic_delaunay(const SimplexArray& triangles,
                                           const std::vector<double>& lengths,
-                                          const Execution& execution) {
+                                          bool both_sides, const Execution& execution) {
   if (triangles.arity != 3) {
     throw std::invalid_argument("simplices of " + std::to_string(triangles.arity) +
                                 " vertices, expected triangles");
@@ -244,7 +290,7 @@ IntrinsicTriangulation intrinsic_delaunay(const SimplexArray& triangles,
                                 std::to_string(triangles.size()) +
                                 " triangles, expected three for each");
   }
-  return Flipper(triangles, lengths).run(execution);
+  return Flipper(triangles, lengths, both_sides).run(execution);
 }
 
 }  // namespace remanifold

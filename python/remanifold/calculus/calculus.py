@@ -145,8 +145,10 @@ class Calculus(Generic[C]):
 
         Edges are flipped, straight along the surface, until the angles opposite to none
         add up to more than pi. The surface stays what it is; thin triangles go, and no
-        cotangent weight is negative. ``delaunay=True`` computes functions by these
-        triangles.
+        cotangent weight inside is negative. ``delaunay=True`` computes functions by these
+        triangles; where the surface has a boundary, or edges of more than two triangles,
+        by those of both its sides, which are sewn together there: then no weight is
+        negative at all.
 
         Returns
         -------
@@ -163,6 +165,9 @@ class Calculus(Generic[C]):
         M. Fisher, B. Springborn, P. Schröder, A. I. Bobenko, An algorithm for the
         construction of intrinsic Delaunay triangulations with applications to digital
         geometry processing, Computing 81, 2007.
+
+        N. Sharp, K. Crane, A Laplacian for nonmanifold triangle meshes, Computer
+        Graphics Forum 39(5), 2020.
         """
         return self._operators_by(delaunay=True).intrinsic
 
@@ -764,7 +769,7 @@ class Calculus(Generic[C]):
             along the edges. More are nearer to the truth and cost their square.
         exact : bool
             Straightened by edge flips instead, by potpourri3d: for surfaces in at most
-            three coordinates that are manifolds.
+            three coordinates that are manifolds, orientable or not.
 
         Returns
         -------

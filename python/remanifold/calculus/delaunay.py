@@ -53,28 +53,40 @@ class IntrinsicTriangles(ReadOnlyArrays):
         )
 
 
-def intrinsic_triangles(complex_: ComplexData) -> IntrinsicTriangles:
-    """Flip edges until the angles opposite to none add up to more than pi."""
-    triangles = np.ascontiguousarray(complex_.simplices)
-    squares = complex_._source.squared_distances(
-        triangles[:, [1, 2, 0]], triangles[:, [2, 0, 1]]
-    )
-    lengths = np.ascontiguousarray(np.sqrt(squares))
-    return IntrinsicTriangles(*_core.intrinsic_delaunay(triangles, lengths))
-
-
 class DelaunayOperators(Operators):
-    """Matrices of functions on an intrinsic Delaunay triangulation; it has no forms."""
+    """Matrices of functions on an intrinsic Delaunay triangulation; it has no forms.
+
+    Where edges have one triangle, or more than two, of both sides of the surface, which
+    share its vertices.
+    """
 
     def __init__(self, complex_: ComplexData) -> None:
         super().__init__(complex_)
-        self.intrinsic = intrinsic_triangles(complex_)
-        self.simplices = self.intrinsic.triangles
-        if not self.intrinsic.complete:
+        triangles = np.ascontiguousarray(complex_.simplices)
+        squares = complex_._source.squared_distances(
+            triangles[:, [1, 2, 0]], triangles[:, [2, 0, 1]]
+        )
+        self._given = triangles, np.ascontiguousarray(np.sqrt(squares))
+        pairs = np.sort(np.concatenate([triangles[:, [i, i - 1]] for i in range(3)]))
+        shared = np.unique(pairs, axis=0, return_counts=True)[1]
+        self._sides = 1 if (shared == 2).all() else 2
+        found = self._flipped(both_sides=self._sides == 2)
+        self.simplices, self.lengths = found.triangles, found.lengths
+        if not found.complete:
             msg = "no intrinsic Delaunay triangulation after a hundred flips a triangle"
             warnings.warn(f"{msg}: weights may be negative", DoubtWarning, stacklevel=5)
 
+    def _flipped(self, *, both_sides: bool) -> IntrinsicTriangles:
+        """Flip edges until the angles opposite to none add up to more than pi."""
+        return IntrinsicTriangles(*_core.intrinsic_delaunay(*self._given, both_sides))
+
+    @functools.cached_property
+    def intrinsic(self) -> IntrinsicTriangles:
+        """Of one side."""
+        return self._flipped(both_sides=False)
+
     @functools.cached_property
     def elements(self) -> Elements:
-        """Triangles as elements."""
-        return elements_of_triangles(self.intrinsic.lengths)
+        """Triangles as elements, each of them half where there are both sides."""
+        elements = elements_of_triangles(self.lengths)
+        return elements._replace(volumes=elements.volumes / self._sides)

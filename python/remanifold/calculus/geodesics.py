@@ -11,6 +11,7 @@ import numpy as np
 
 from remanifold import _core
 from remanifold._base.validation import check_choice, check_index_array
+from remanifold.calculus.delaunay import DelaunayOperators
 from remanifold.calculus.operators import Operators
 from remanifold.calculus.solving import factorized
 from remanifold.complex import parts
@@ -195,13 +196,20 @@ def _heat_in_space(part: ComplexData) -> _Solver:
 
 
 def _heat(part: ComplexData) -> _Solver:
-    """Heat method of Crane, Weischedel and Wardetzky on linear elements, for any K, D."""
+    """Heat method of Crane, Weischedel and Wardetzky on linear elements, for any K, D.
+
+    On surfaces by intrinsic Delaunay triangles, as in space.
+    """
     try:
         from scipy.sparse import diags
     except ImportError as error:
         msg = "the heat method needs SciPy: pip install remanifold[geodesic]"
         raise ImportError(msg) from error
-    operators = Operators(part)
+    if part.dim == 2:
+        operators: Operators = (flipped := DelaunayOperators(part))
+        lengths = flipped.lengths
+    else:
+        operators, lengths = Operators(part), edge_lengths(part)
     count = part.num_vertices
     if not operators.used.all() or operators.labels.max() > 0:
         msg = (
@@ -210,7 +218,7 @@ def _heat(part: ComplexData) -> _Solver:
         )
         raise ValueError(msg)
     stiffness = operators.stiffness
-    time = float(np.mean(edge_lengths(part))) ** 2
+    time = float(np.mean(lengths)) ** 2
     flow = factorized(diags(operators.volumes) + time * stiffness)
     # Up to a constant: the first vertex stays at zero.
     potential = factorized(stiffness[1:, 1:])

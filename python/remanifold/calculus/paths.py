@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from remanifold import _core
 from remanifold._base.optional import load
 from remanifold._base.read_only import ReadOnlyArrays
 from remanifold._base.text import one_line, rounded
@@ -217,9 +218,64 @@ def flipped_path(complex_: ComplexData, start: int, end: int) -> Floats:
     solver = load("potpourri3d", "calculus").EdgeFlipGeodesicSolver
     vertices = complex_.coordinates
     space = np.pad(vertices, [(0, 0), (0, 3 - vertices.shape[1])])
-    made = solver(space, complex_.simplices.astype(np.int64))
-    way = np.asarray(made.find_geodesic_path(start, end), dtype=np.float64)
-    return way[:, : vertices.shape[1]]
+    triangles, copies = _sheets(complex_.simplices, start)
+    made = solver(space[copies], triangles.astype(np.int64))
+    starts, ends = (np.flatnonzero(copies == vertex) for vertex in (start, end))
+    # To either copy of the end on a cover, whichever is nearer.
+    ways = [
+        np.asarray(made.find_geodesic_path(int(starts[0]), int(one)), dtype=np.float64)
+        for one in ends
+    ]
+    lengths = [np.linalg.norm(np.diff(way, axis=0), axis=1).sum() for way in ways]
+    return ways[int(np.argmin(lengths))][:, : vertices.shape[1]]
+
+
+def _sheets(
+    triangles: NDArray[np.int32], start: int
+) -> tuple[NDArray[np.int32], NDArray[np.intp]]:
+    """Triangles of one orientation, and which vertices theirs are.
+
+    As they are, if that is so already. Else of an orientable surface its component; of others the cover by two sheets, which has
+    each vertex twice.
+    """
+    ahead = np.concatenate([triangles[:, [i, i - 1]] for i in range(3)])
+    if len(np.unique(ahead, axis=0)) == len(ahead):
+        used, compact = np.unique(triangles, return_inverse=True)
+        return compact.reshape(-1, 3).astype(np.int32), used.astype(np.intp)
+    sparse = scipy_module("sparse")
+    csgraph = scipy_module("sparse.csgraph")
+    both = np.concatenate([triangles, triangles[:, [0, 2, 1]]])
+    corners = np.arange(both.size).reshape(-1, 3)
+    order = [1, 2, 0]
+    sides = np.stack([both, both[:, order]], axis=2).reshape(-1, 2)
+    ends = np.stack([corners, corners[:, order]], axis=2).reshape(-1, 2)
+    # Sides of different triangles that lead opposite ways are the same edge.
+    up = sides[:, 0] < sides[:, 1]
+    number = np.arange(len(sides)) // 3 % len(triangles)
+    low, high = sides.min(axis=1), sides.max(axis=1)
+    rising, falling = (
+        own[np.lexsort((number[own], high[own], low[own]))]
+        for own in (np.flatnonzero(up), np.flatnonzero(~up))
+    )
+    edges = np.stack([low[rising], high[rising]], axis=1)
+    second = np.flatnonzero((edges[1:] == edges[:-1]).all(axis=1)) + 1
+    # The two triangles of an edge stand in the same order in both lists.
+    ones = np.concatenate([rising[second], rising[second - 1]])
+    others = np.concatenate([falling[second - 1], falling[second]])
+    joined = np.concatenate([ends[ones], ends[others][:, ::-1]], axis=1)
+    a, b = joined[:, [0, 1]].ravel(), joined[:, [2, 3]].ravel()
+    graph = sparse.coo_array((np.ones(len(a)), (a, b)), shape=(both.size, both.size))
+    labels = csgraph.connected_components(graph, directed=False)[1]
+    covered = labels[corners]
+    copies = np.empty(int(labels.max()) + 1, dtype=np.intp)
+    copies[covered] = both
+    whole = _core.component_labels(
+        np.ascontiguousarray(covered, dtype=np.int32), len(copies)
+    )
+    first = whole[np.flatnonzero(copies == start)[0]]
+    own = whole[covered[:, 0]] == first
+    used, compact = np.unique(covered[own], return_inverse=True)
+    return compact.reshape(-1, 3).astype(np.int32), copies[used]
 
 
 def farthest_points(

@@ -51,6 +51,31 @@ TEST(IntrinsicDelaunay, TakesTheOtherDiagonalOfAKite) {
   }
 }
 
+TEST(IntrinsicDelaunay, SewsBothSidesTogether) {
+  // One obtuse triangle: its long side is flipped to the other side of the paper, and what
+  // was obtuse is gone.
+  const double side = std::hypot(2.0, 0.5);
+  const std::vector<double> lengths{4, side, side};
+  const SimplexArray one{3, {7, 3, 5}};
+  EXPECT_EQ(intrinsic_delaunay(one, lengths).num_flips, 0);
+  const IntrinsicTriangulation found = intrinsic_delaunay(one, lengths, true);
+  ASSERT_EQ(found.triangles.size(), 2);
+  EXPECT_EQ(found.num_flips, 1);
+  EXPECT_NEAR(total(found.lengths), 2, 1e-14);  // both sides
+  for (Offset t = 0; t < 2; ++t) {
+    EXPECT_NEAR(*std::max_element(found.lengths.begin() + 3 * t,
+                                  found.lengths.begin() + 3 * t + 3),
+                side, 1e-14);
+  }
+  // Three triangles at an edge, and each of them has two neighbors on the cover.
+  const SimplexArray pages{3, {0, 1, 2, 0, 1, 3, 1, 0, 4}};
+  const std::vector<double> regular(9, 1.0);
+  const IntrinsicTriangulation book = intrinsic_delaunay(pages, regular, true);
+  EXPECT_EQ(book.triangles.size(), 6);
+  EXPECT_EQ(book.num_flips, 0);
+  EXPECT_TRUE(book.complete);
+}
+
 TEST(IntrinsicDelaunay, KeepsTheAreaOfAStripTwistedOrNot) {
   // A ring of long thin triangles between two closed rows of vertices, glued straight or
   // turned over: an annulus, or a Moebius band on one row.

@@ -10,9 +10,16 @@ from calculus_meshes import known_by
 
 
 def thin_square(count=200, seed=0):
-    """A square in five coordinates by the triangles that are best after a shear."""
+    """A square in five coordinates by the triangles that are best after a shear.
+
+    No sample is so near to the border that the angle opposite to a border edge is obtuse.
+    """
     rng = np.random.default_rng(seed)
-    plane = np.vstack([[[0, 0], [0, 1], [1, 0], [1, 1]], rng.random((count, 2))])
+    steps = np.arange(20) / 20
+    turn = np.array([[0.0, 1.0], [-1.0, 0.0]])
+    side = np.stack([steps - 0.5, np.full(20, -0.5)], axis=1)
+    rim = np.vstack([side @ np.linalg.matrix_power(turn, i) for i in range(4)])
+    plane = np.vstack([rim, 0.94 * (rng.random((count, 2)) - 0.5)])
     thin = Delaunay(plane @ [[1.0, 0.0], [3.0, 1.0]]).simplices.astype(np.int32)
     return plane, rm.SimplicialComplex(
         rm.datasets.embed(plane, 5, random_state=0), thin
@@ -48,6 +55,49 @@ def test_a_square_has_the_matrices_of_its_delaunay_triangulation(kind):
         np.testing.assert_allclose(found, expected, atol=1e-9)
     assert calculus.intrinsic_delaunay().num_flips > 50
     assert calculus.intrinsic_delaunay().complete
+
+
+@pytest.mark.parametrize("shear", [0, 4])
+def test_no_weight_is_negative_at_a_boundary(shear):
+    """Angles opposite to border edges of random samples are obtuse."""
+    rng = np.random.default_rng(3)
+    plane = rng.random((150, 2))
+    thin = Delaunay(plane @ [[1.0, 0.0], [shear, 1.0]]).simplices.astype(np.int32)
+    # A page at an edge: three triangles there.
+    page = np.append(thin[0, :2], 150)[None].astype(np.int32)
+    high = np.append(plane[thin[0, :2]].mean(axis=0), 0.3)
+    points = np.vstack([np.pad(plane, [(0, 0), (0, 1)]), high])
+    for complex_ in (
+        rm.SimplicialComplex(plane, thin),
+        rm.SimplicialComplex(points, np.vstack([thin, page])),
+    ):
+        calculus = complex_.calculus
+        assert off_diagonal(calculus.stiffness()).max() > 0.1
+        weights = calculus.stiffness(delaunay=True)
+        assert off_diagonal(weights).max() < 1e-9
+        np.testing.assert_allclose(weights.sum(axis=1), 0, atol=1e-9)
+        np.testing.assert_allclose((weights - weights.T).toarray(), 0, atol=1e-12)
+        area = complex_.volume()
+        assert calculus.mass(lumped=True, delaunay=True).sum() == pytest.approx(area)
+        assert len(calculus.intrinsic_delaunay().triangles) == len(complex_.simplices)
+
+
+@pytest.mark.parametrize("kind", ["points", "distances"])
+def test_heat_on_a_disk_whatever_its_triangles(kind):
+    """Long edges at the border and thin triangles: 1.3 % of the mean distance."""
+    rng = np.random.default_rng(1)
+    turns, radii = 2 * np.pi * rng.random(600), np.sqrt(rng.random(600))
+    plane = radii[:, None] * np.stack([np.cos(turns), np.sin(turns)], axis=1)
+    true = np.linalg.norm(plane[[0, 50], None] - plane, axis=2)
+    wide = rm.datasets.embed(plane, 5, random_state=0)
+    found = []
+    for shear in (1, 8):
+        thin = Delaunay(plane * [1, shear]).simplices.astype(np.int32)
+        disk = rm.SimplicialComplex(wide, thin)
+        disk = disk if kind == "points" else known_by(kind, disk)
+        found.append(disk.geodesic_distances([0, 50], "heat"))
+        assert np.abs(found[-1] - true).mean() < 0.03 * true.mean()
+    np.testing.assert_allclose(found[0], found[1], atol=1e-6)
 
 
 def test_triangles_on_a_klein_bottle():

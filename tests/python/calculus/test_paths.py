@@ -77,6 +77,31 @@ def test_straightened_paths():
     np.testing.assert_allclose(path.vertices[[0, -1]], rec.vertices[[3, 500]])
 
 
+@pytest.mark.parametrize("draw", [rm.datasets.moebius_band, rm.datasets.sphere])
+def test_straightened_paths_whatever_the_orientation(draw):
+    """On a band with one side, and on triangles that were turned over at random."""
+    pytest.importorskip("potpourri3d")
+    rec = rm.reconstruct(draw(300, random_state=0), 2)
+    turned = rec.simplices.copy()
+    some = np.random.default_rng(0).random(len(turned)) < 0.5
+    turned[some] = turned[some][:, [1, 0, 2]]
+    points = np.vstack([[[9, 9, 9]], rec.vertices])  # in no triangle
+    mixed = rm.SimplicialComplex(points, turned + 1)
+    surplus = []
+    for start, end in ((5, 200), (17, 120), (290, 3)):
+        path = mixed.calculus.shortest_path(start + 1, end + 1, exact=True)
+        np.testing.assert_array_equal(
+            path.vertices[[0, -1]], rec.vertices[[start, end]]
+        )
+        along = rec.geodesic_distances(start, "exact")[0, end]
+        edges = rec.calculus.shortest_path(start, end, points=0)
+        assert path.volume() < 1.000001 * edges.volume()
+        surplus.append(path.volume() - along)
+    # Shortest among those nearby, which may not be the shortest.
+    assert min(surplus) > -1e-9
+    assert np.median(surplus) < 1e-9
+
+
 def test_paths_in_a_cube_and_by_lengths():
     """Straight but for the corners between: 10 % of the diagonal of a jittered cube."""
     solid = cube(3, 3, jitter=0.2)
