@@ -24,7 +24,7 @@ def edge_graph(complex: ComplexData) -> Any:
     Parameters
     ----------
     complex : SimplicialComplex
-        Its vertices must have coordinates.
+        With coordinates, or known by products or distances.
 
     Returns
     -------
@@ -34,8 +34,6 @@ def edge_graph(complex: ComplexData) -> Any:
 
     Raises
     ------
-    ValueError
-        The complex has no coordinates.
     ImportError
         SciPy is not installed.
 
@@ -62,6 +60,5 @@ def edge_graph(complex: ComplexData) -> Any:
 def edge_lengths(complex: ComplexData) -> NDArray[np.float64]:
     """Lengths of `edges`, in their order."""
     if complex.vertices is None:
-        msg = "complex has no coordinates, and so its edges have no known lengths"
-        raise ValueError(msg)
+        return np.sqrt(complex._source.squared_distances(*complex.edges.T))
     return measures.edge_lengths(complex.vertices, complex.edges)

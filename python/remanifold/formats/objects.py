@@ -214,34 +214,44 @@ def arrays_of_meshio(
     return np.asarray(mesh.points, dtype=np.float64), simplices
 
 
-def to_networkx(complex: ComplexData) -> Any:
+def to_networkx(complex: ComplexData, fields: Fields = "auto") -> Any:
     """Vertices and edges as a graph of NetworkX.
 
     Parameters
     ----------
     complex : SimplicialComplex
         With coordinates or without.
+    fields : "auto", None or mapping of str to array_like
+        Values at the vertices, (N,) or (N, C), kept at the nodes by their names: numbers,
+        or arrays of C. By default the ``vertex_attributes`` of the complex.
 
     Returns
     -------
     networkx.Graph
-        Nodes 0 to N - 1, each with its coordinates as ``pos``, and the edges, each with
-        its ``length``. Without coordinates neither.
+        Nodes 0 to N - 1, each with its coordinates as ``pos`` where there are any, and
+        the edges, each with its ``length``.
 
     Raises
     ------
+    ValueError
+        A field is called ``pos``.
     ImportError
         NetworkX is not installed.
     """
     check_complex(complex)
     networkx = _needed("networkx", "graph")
     graph = networkx.Graph()
-    if complex.vertices is None:
-        graph.add_nodes_from(range(complex.num_vertices))
-        graph.add_edges_from(complex.edges.tolist())
-        return graph
+    count = complex.num_vertices
+    held: dict[str, list[Any]] = {}
+    for name, values in _fields(complex, fields, count).items():
+        if name == "pos":
+            msg = "fields: 'pos' is the name of the coordinates; take another one"
+            raise ValueError(msg)
+        held[name] = values.tolist() if values.ndim == 1 else [*values]
+    if complex.vertices is not None:
+        held["pos"] = [*complex.vertices]
     graph.add_nodes_from(
-        (i, {"pos": position}) for i, position in enumerate(complex.vertices)
+        (i, {name: values[i] for name, values in held.items()}) for i in range(count)
     )
     lengths = edge_lengths(complex).tolist()
     graph.add_edges_from(

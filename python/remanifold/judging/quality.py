@@ -15,7 +15,7 @@ from remanifold._base.distinct import distinct
 from remanifold._base.html import fragment, histogram
 from remanifold._base.read_only import ReadOnlyArrays
 from remanifold._base.samples import Points
-from remanifold._base.text import two_digits
+from remanifold._base.text import besides, two_digits
 from remanifold.judging.findings import Findings, Sign
 from remanifold.judging.signs import (
     NOWHERE,
@@ -168,7 +168,8 @@ class Quality(ReadOnlyArrays):
             rows.append(("samples that would do", f"{self.recommended_samples:,}"))
         rows += [("and", reason.text) for reason in self.reasons[1:4]]
         chart = histogram("spacing over reach", self.sampling_ratio)
-        return fragment(answer, rows, chart, f"{self.verdict}.")
+        more = besides(self.verdict, answer)
+        return fragment(answer, rows, chart, f"{more}." if more else "")
 
     def __repr__(self) -> str:
         return f"Quality(ok={self.ok}, verdict={self.verdict!r})"

@@ -20,6 +20,7 @@ from remanifold._base.html import (
     section,
     text,
 )
+from remanifold._base.text import besides
 from remanifold.complex.measures import angles, edge_ratios, shapes
 from remanifold.complex.projection import simplex_volumes
 from remanifold.complex.topology import simplex_names
@@ -44,14 +45,15 @@ def verdict(rec: JudgedReconstruction) -> str:
     quality = rec.quality
     answer = rec._answer(judged=True)
     first = answer.text[:1].upper() + answer.text[1:]
-    said = quality.verdict[:1].upper() + quality.verdict[1:]
+    # What the answer has said already is not said again.
+    said = besides(quality.verdict, answer.text)
+    said = said[:1].upper() + said[1:]
     reasons = [reason.text for reason in quality.reasons]
     return (
         f'<div class="verdict {"good" if answer.good else "doubt"}" role="note" '
         'aria-label="Verdict">\n'
         f'<p class="answer"><strong>{text(first)}.</strong></p>\n'
-        # What the answer has said already is not said again.
-        f"{'' if said.lower() in answer.text.lower() else paragraph(f'{said}.')}\n"
+        f"{paragraph(f'{said}.') if said else ''}\n"
         f"{bullets(reasons[1:]) if len(reasons) > 1 else ''}</div>"
     )
 

@@ -186,9 +186,9 @@ class SimplicialComplex(ComplexData):
         """Adjacency and boundary operators; see `interoperability.to_scipy`."""
         return objects.to_scipy(self)
 
-    def to_networkx(self) -> Any:
+    def to_networkx(self, fields: Fields = "auto") -> Any:
         """Graph of NetworkX, with lengths; see `interoperability.to_networkx`."""
-        return objects.to_networkx(self)
+        return objects.to_networkx(self, fields)
 
     def to_scipy_graph(self) -> Any:
         """Sparse matrix of the lengths of the edges; see `edge_graph`."""

@@ -156,6 +156,27 @@ def test_networkx_has_positions_and_lengths(torus):
     without = BY_GRAM.to_networkx()
     assert without.number_of_edges() == 60
     assert without.nodes[0] == {}
+    points = rm.datasets.circle(60, random_state=0)
+    for i, j, length in without.edges.data("length"):
+        assert length == pytest.approx(np.linalg.norm(points[i] - points[j]))
+        assert length == BY_GRAM.to_scipy_graph()[i, j]
+
+
+def test_networkx_has_attributes():
+    labels, colors = [4, 5, 6], np.arange(9).reshape(3, 3)
+    path = rm.SimplicialComplex(
+        np.eye(3),
+        [[0, 1], [1, 2]],
+        vertex_attributes={"label": labels, "colors": colors},
+    )
+    nodes = path.to_networkx().nodes
+    assert [nodes[i]["label"] for i in range(3)] == labels
+    np.testing.assert_array_equal(nodes[1]["colors"], colors[1])
+    assert path.to_networkx(None).nodes[0].keys() == {"pos"}
+    own = path.to_networkx({"height": [0.5, 1.5, 2.5]}).nodes
+    assert [own[i]["height"] for i in range(3)] == [0.5, 1.5, 2.5]
+    with pytest.raises(ValueError, match="'pos' is the name of the coordinates"):
+        path.to_networkx({"pos": [1, 2, 3]})
 
 
 def test_scipy_graph(torus):
@@ -197,7 +218,6 @@ def test_edges_of_length_zero_are_stored():
         ),
         (BY_GRAM.to_pyvista, "no coordinates, only inner products"),
         (BY_GRAM.to_meshio, "no coordinates, only inner products"),
-        (BY_GRAM.to_scipy_graph, "its edges have no known lengths"),
         (
             lambda: TETRAHEDRA.to_pyvista({"a": np.zeros(5)}),
             r"fields\['a'\] has shape \(5,\), expected \(6,\)",
