@@ -7,6 +7,7 @@ __all__ = [
     "DroppedWarning",
     "FileWarning",
     "ManifoldWarning",
+    "MatrixWarning",
     "RecallWarning",
     "RemanifoldWarning",
     "TransposedWarning",
@@ -44,6 +45,10 @@ class DoubtWarning(RemanifoldWarning):
 
 class DroppedWarning(RemanifoldWarning):
     """Samples were left out as outliers, which nobody asked for."""
+
+
+class MatrixWarning(RemanifoldWarning):
+    """What was given as points is a matrix of inner products or of distances."""
 
 
 class TransposedWarning(RemanifoldWarning):

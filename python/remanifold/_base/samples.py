@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 Kind = Literal["points", "gram", "distances"]
 _ROUNDING = 2.0**-48  # of the largest coordinate: samples nearer than this are one
+_FEWEST = 6  # rows of a matrix that is symmetric by no accident
 _FEW_COORDINATES = 8  # up to which differences cost less than products
 
 
@@ -177,6 +178,30 @@ class _Square(Input):
     @abstractmethod
     def _coincide(self, i: int) -> NDArray[np.bool_]:
         """Which samples are sample i up to rounding."""
+
+
+def looks_like_a_matrix(points: Floats) -> str | None:
+    """What to say of points that are a matrix of distances, or of inner products."""
+    count = len(points)
+    # A few samples may be symmetric; of most arrays the first row and column tell.
+    if count < _FEWEST or points.shape != (count, count):
+        return None
+    scale = 1e-6 * float(np.abs(points[0]).max())
+    if not np.allclose(points[0], points[:, 0], rtol=0, atol=scale):
+        return None
+    scale = 1e-6 * float(np.abs(points).max())
+    if not np.allclose(points, points.T, rtol=0, atol=scale):
+        return None
+    own = np.diagonal(points)
+    said = f"points is a symmetric matrix of {count:,} rows"
+    if (np.abs(own) <= scale).all() and (points >= -scale).all():
+        return f"{said} with zeros on its diagonal: distances= takes distances"
+    # Products are no larger than those of each with itself; the unit matrix is corners.
+    outer = np.sqrt(np.maximum(own[:, None] * own, 0)) + scale
+    alone = np.count_nonzero(points) == np.count_nonzero(own)
+    if (own > 0).all() and (np.abs(points) <= outer).all() and not alone:
+        return f"{said}, as that of inner products is: gram= takes it"
+    return None
 
 
 class Gram(_Square):

@@ -275,6 +275,17 @@ def check_values(
     return array
 
 
+def check_values_where(
+    values: ArrayLike, name: str, used: NDArray[np.bool_], ndim: int | None = None
+) -> NDArray[np.float64]:
+    """Finite numbers where they count, one row each; zero where they do not."""
+    if not used.all() and not isinstance(values, np.ma.MaskedArray):
+        table = np.asarray(values)
+        if table.shape[:1] == used.shape:
+            values = np.where(used.reshape(-1, *(1,) * (table.ndim - 1)), table, 0)
+    return check_values(values, name, len(used), ndim=ndim)
+
+
 def check_matrix(values: ArrayLike, name: str, columns: int) -> NDArray[np.float64]:
     """Finite numbers, so many a row."""
     array = np.ascontiguousarray(_as_float(_real(values, name), name))

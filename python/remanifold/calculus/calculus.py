@@ -16,6 +16,7 @@ from remanifold._base.validation import (
     check_positive,
     check_selection,
     check_values,
+    check_values_where,
 )
 from remanifold.calculus.charts import Atlas, make_atlas
 from remanifold.calculus.cohomology import (
@@ -692,7 +693,7 @@ class Calculus(Generic[C]):
         Values equal to the level count as above it. Where they are taken at vertices
         the set may be no manifold there; a level beside it cuts edges only.
         """
-        table = check_values(values, "values", self._complex.num_vertices, ndim=1)
+        table = check_values_where(values, "values", self._in_simplices, 1)
         height = float(check_values([level], "level", 1)[0])
         found = level_set(self._complex.simplices, table, height)
         if len(found.simplices) == 0:
@@ -1099,12 +1100,13 @@ class Calculus(Generic[C]):
     ) -> Floats:
         """Finite where functions have values, zero elsewhere."""
         used = (operators or self._operators).used
-        if not used.all() and not isinstance(values, np.ma.MaskedArray):
-            table = np.asarray(values)
-            if table.shape[:1] == used.shape:
-                own = used.reshape(-1, *(1,) * (table.ndim - 1))
-                values = np.where(own, table, 0)
-        return check_values(values, name, self._complex.num_vertices, ndim=ndim)
+        return check_values_where(values, name, used, ndim)
+
+    @property
+    def _in_simplices(self) -> NDArray[np.bool_]:
+        found = np.zeros(self._complex.num_vertices, dtype=np.bool_)
+        found[self._complex.simplices] = True
+        return found
 
     def _check_vertices(
         self,

@@ -20,6 +20,7 @@ from remanifold.method.options import (
     Options,
 )
 
+MATRICES = ("gram", "distances")
 BOUNDARIES: dict[str, str | bool] = {"auto": "auto", "no": False}
 
 
@@ -164,6 +165,15 @@ Search: TypeAlias = Annotated[
 ]
 Checks: TypeAlias = Annotated[
     int, typer.Option(help="Approximate search: leaves that it visits.")
+]
+Matrix: TypeAlias = Annotated[
+    str | None,
+    choice(
+        MATRICES,
+        "The input holds no points but the inner products of all samples with each "
+        "other, or their distances, N rows of N numbers.",
+        "points",
+    ),
 ]
 Quiet: TypeAlias = Annotated[
     bool, typer.Option("--quiet", "-q", help="No progress, table or warnings.")

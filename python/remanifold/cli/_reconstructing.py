@@ -4,12 +4,15 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import typer
+from numpy.typing import NDArray
 from rich.console import Console
 
 import remanifold as rm
@@ -22,6 +25,8 @@ from remanifold.cli._common import (
     say,
     timed,
 )
+from remanifold.formats._columns import table_of
+from remanifold.formats._mesh import FileMesh
 from remanifold.formats._source import is_standard
 from remanifold.method.dimension import LOW_CONFIDENCE, low_confidence
 from remanifold.method.options import Options
@@ -38,6 +43,22 @@ class Done(NamedTuple):
     seconds: dict[str, float]
 
 
+def _square(source: Path, mesh: FileMesh) -> NDArray[np.float64]:
+    """All columns of a file, beside those that count or name its rows."""
+    columns = [c for c in table_of(mesh).columns if c.dtype.kind in "biuf"]
+    count = len(mesh.points)
+    matrix = np.column_stack(columns).astype(np.float64)
+    if matrix.shape[1] == count + 1:
+        matrix = matrix[:, 1:]
+    if matrix.shape != (count, count):
+        msg = (
+            f"{source}: {count:,} rows of {matrix.shape[1]:,} numbers, and --matrix "
+            "expects as many numbers in each row as there are rows"
+        )
+        raise ValueError(msg)
+    return matrix
+
+
 def reconstruct_file(
     source: Path,
     dim: int | str,
@@ -50,6 +71,7 @@ def reconstruct_file(
     format: str | None,
     columns: str | None,
     drop_invalid: bool,
+    matrix: str | None = None,
 ) -> Done:
     """Read, find the dimension if asked to, and reconstruct.
 
@@ -61,19 +83,32 @@ def reconstruct_file(
     complaining(lambda: options.check_dim(assumed))
     check_target(assumed, None)
     seconds: dict[str, float] = {}
+    if matrix is not None and (columns is not None or drop_invalid):
+        msg = "--columns and --drop-invalid are for points, and the input is a matrix."
+        raise typer.BadParameter(msg, param_hint="'--matrix'")
     (_, mesh, guesses), seconds["read"] = timed(
-        lambda: read_input(source, format, columns, messages, quiet=quiet)
+        lambda: read_input(
+            source, format, columns, messages, quiet=quiet or matrix is not None
+        )
     )
     points = mesh.points
+    if matrix is not None:
+        # What was guessed about columns is not so.
+        points, guesses = _square(source, mesh), []
+        mesh.fields, mesh.chosen = {}, ""
+    known = {matrix: points} if matrix else {}
     finite = np.isfinite(points).all(axis=1)
-    if not finite.all():
+    if matrix is None and not finite.all():
         check_invalid(source, finite, drop_invalid)
     show_progress = messages.is_terminal and not quiet
     found: rm.DimensionEstimate | None = None
     if isinstance(dim, str):
         found, seconds["dimension"] = timed(
             lambda: rm.estimate_dimension(
-                points[finite], num_threads=threads, progress=show_progress
+                None if matrix else points[finite],
+                **known,
+                num_threads=threads,
+                progress=show_progress,
             )
         )
         assert found is not None
@@ -81,12 +116,13 @@ def reconstruct_file(
         if found.confidence >= LOW_CONFIDENCE and not quiet:
             say(messages, found.verdict, "none")
     complaining(lambda: options.check_dim(dim))
-    check_target(dim, points.shape[1])
+    check_target(dim, points.shape[1] if matrix is None else None)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", rm.RemanifoldWarning)
         rec = rm.reconstruct(
-            points,
+            None if matrix else points,
             dim,
+            **known,
             **vars(options),
             attributes=mesh.fields,
             invalid="drop" if drop_invalid else "raise",
@@ -104,7 +140,11 @@ def reconstruct_file(
     # The command line judges in any case, and what the file looked like is said.
     said = (rm.DoubtWarning, *((rm.TransposedWarning,) if guesses else ()))
     complaints = [
-        str(w.message).replace("outliers=False", "--outliers no")
+        re.sub(
+            r"\b(gram|distances)=",
+            r"--matrix \1",
+            str(w.message).replace("outliers=False", "--outliers no"),
+        )
         for w in caught
         if not issubclass(w.category, said)
     ]

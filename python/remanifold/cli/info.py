@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from pathlib import Path
 from typing import Annotated, Any
@@ -309,8 +310,8 @@ def _table(report: dict[str, Any], name: str) -> Table:
         rows["not finite"] = f"{report['not_finite']:,}"
     if report["bounding_box"] is not None:
         low, high = report["bounding_box"]
-        rows["from"] = _numbers(low)
-        rows["to"] = _numbers(high)
+        rows["from"] = _numbers(low, report["diagonal"])
+        rows["to"] = _numbers(high, report["diagonal"])
         rows["diagonal"] = f"{report['diagonal']:.6g}"
     if report["coincident_points"]:
         rows["coincident points"] = f"{report['coincident_points']:,}"
@@ -358,8 +359,14 @@ def _topology_rows(topology: dict[str, Any]) -> dict[str, str]:
     }
 
 
-def _numbers(values: list[float]) -> str:
-    shown = [f"{value:.6g}" for value in values[:6]]
+def _numbers(values: list[float], diagonal: float) -> str:
+    """Coordinates to six digits of the diagonal: far from the origin they have more."""
+    shown = []
+    for value in values[:6]:
+        more = 0.0
+        if 0 < diagonal < abs(value):
+            more = math.ceil(math.log10(abs(value) / diagonal))
+        shown.append(f"{value:.{min(6 + int(more), 15)}g}")
     return ", ".join([*shown, *(["..."] if len(values) > 6 else [])])
 
 

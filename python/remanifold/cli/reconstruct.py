@@ -38,6 +38,7 @@ from remanifold.cli._options import (
     Edges,
     Estimator,
     HoleRadius,
+    Matrix,
     Method,
     NumNeighbors,
     Outliers,
@@ -65,6 +66,7 @@ EPILOG = examples(
     "remanifold reconstruct scan.ply -k 2 -o scan.rm.npz",
     "remanifold reconstruct table.csv -k 2 -o mesh.ply --columns easting,northing,h",
     "remanifold reconstruct depth.pcd -k 2 -o mesh.ply --drop-invalid",
+    "remanifold reconstruct distances.npy -k 2 -o cloud.rm.npz --matrix distances",
     "cat points.txt | remanifold reconstruct - --format txt -k 2 -o mesh.obj",
     "remanifold reconstruct scan.ply -k 2 -o - --format off > mesh.off",
 )
@@ -110,6 +112,7 @@ def reconstruct(
         ),
     ] = "auto",
     columns: ColumnsOption = None,
+    matrix: Matrix = None,
     drop_invalid: DropInvalidOption = False,
     format: FormatOption = None,
     output_format: OutputFormatOption = None,
@@ -145,6 +148,13 @@ def reconstruct(
             msg = f"a saved result holds everything; {flag} is for meshes."
             raise typer.BadParameter(msg, param_hint=f"'{flag}'")
 
+    if matrix is not None and not whole:
+        msg = (
+            f"samples of a matrix have no coordinates, which meshes need: {SUFFIX} "
+            "saves the result."
+        )
+        raise typer.BadParameter(msg, param_hint="'--output'")
+
     def check_target(dim: int, ambient_dim: int | None) -> None:
         try:
             if whole:
@@ -168,6 +178,7 @@ def reconstruct(
             format=format,
             columns=columns,
             drop_invalid=drop_invalid,
+            matrix=matrix,
         )
         rec = done.rec
         report = _report(rec)
@@ -375,7 +386,12 @@ def _table(report: dict[str, Any]) -> Table:
     }
     rows = {
         "method": report["method"],
-        "samples": f"{report['num_samples']:,} in R^{report['ambient_dim']}",
+        "samples": f"{report['num_samples']:,} "
+        + (
+            "known by products or distances"
+            if report["ambient_dim"] is None
+            else f"in R^{report['ambient_dim']}"
+        ),
         "dimension": str(report["dim"])
         + (
             f" (estimated, confidence {report['dim_estimate']['confidence']:.2f})"

@@ -31,6 +31,7 @@ from remanifold.cli._options import (
     Edges,
     Estimator,
     HoleRadius,
+    Matrix,
     Method,
     NumNeighbors,
     Outliers,
@@ -74,6 +75,7 @@ def report(
     search: Search = "auto",
     checks: Checks = CHECKS,
     columns: ColumnsOption = None,
+    matrix: Matrix = None,
     drop_invalid: DropInvalidOption = False,
     format: FormatOption = None,
     threads: ThreadsOption = None,
@@ -106,7 +108,7 @@ def report(
         refuse_same_file(source, output)
 
     saved = is_saved_result(source)
-    if saved and (dim is not None or vars(options) != vars(Options())):
+    if saved and (dim is not None or matrix or vars(options) != vars(Options())):
         msg = f"{source}: is a saved result, which has its parameters already."
         raise typer.BadParameter(msg, param_hint="'INPUT'")
     if not saved and dim is None:
@@ -131,6 +133,7 @@ def report(
             format=format,
             columns=columns,
             drop_invalid=drop_invalid,
+            matrix=matrix,
         )
         write_report(done.rec, output, title or source.name, command_line())
         _tell(done.rec, output, done.complaints, messages, quiet=quiet)

@@ -159,7 +159,9 @@ def _pca(
     points: NDArray[np.float64], used: NDArray[np.bool_], complex: ComplexData
 ) -> Embedding:
     """Axes of the vertices in simplices, so that no outlier turns them."""
-    size = float(np.abs(points).max()) or 1.0  # squares neither overflow nor vanish
+    size = (
+        float(np.abs(points[used]).max()) or 1.0
+    )  # squares neither overflow nor vanish
     centered = points / size
     centered -= centered[used].mean(axis=0)
     own = centered[used]

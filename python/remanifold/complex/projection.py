@@ -16,7 +16,7 @@ from remanifold._base.validation import (
     check_int,
     check_num_threads,
     check_points,
-    check_values,
+    check_values_where,
 )
 
 if TYPE_CHECKING:
@@ -166,7 +166,9 @@ def interpolate(
     **options: Any,
 ) -> NDArray[np.float64]:
     """Values at points, as `SimplicialComplex.interpolate` describes them."""
-    table = check_values(values, "values", complex_.num_vertices)
+    used = np.zeros(complex_.num_vertices, dtype=np.bool_)
+    used[complex_.simplices] = True
+    table = check_values_where(values, "values", used)
     place = points
     if not isinstance(place, PointsOnComplex):
         place = project(complex_, place, **options)

@@ -205,7 +205,8 @@ def write_complex(
         fields = fitting_fields(path, complex.vertex_attributes, format)
     if comment is None:
         comment = complex.comment
-    write_mesh(
+    write = write_valid if np.isnan(complex.vertices).any() else write_mesh
+    write(
         path,
         complex.vertices,
         complex.simplices,

@@ -15,14 +15,14 @@ import numpy as np
 from remanifold import _core
 from remanifold._base.progress import progress_callback
 from remanifold._base.read_only import ReadOnlyArrays
-from remanifold._base.samples import Input, Points
+from remanifold._base.samples import Input, Points, looks_like_a_matrix
 from remanifold._base.validation import (
     check_int,
     check_num_threads,
     check_samples,
 )
 from remanifold.method.options import CHECKS
-from remanifold.warnings import DimensionWarning
+from remanifold.warnings import DimensionWarning, MatrixWarning
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -203,6 +203,8 @@ def estimate_dimension(
     2
     """
     samples = check_samples(points, gram, distances)
+    if isinstance(samples, Points) and (said := looks_like_a_matrix(samples.matrix)):
+        warnings.warn(said, MatrixWarning, stacklevel=2)
     scale = None
     if num_neighbors is not None:
         scale = check_int(num_neighbors, "num_neighbors", minimum=SMALLEST_SCALE)

@@ -13,7 +13,7 @@ import numpy as np
 from remanifold import _core
 from remanifold._base.distinct import distinct
 from remanifold._base.progress import progress_callback
-from remanifold._base.samples import Points
+from remanifold._base.samples import Points, looks_like_a_matrix
 from remanifold._base.validation import (
     check_choice,
     check_dim,
@@ -47,6 +47,7 @@ from remanifold.warnings import (
     DoubtWarning,
     DroppedWarning,
     ManifoldWarning,
+    MatrixWarning,
     TransposedWarning,
 )
 
@@ -188,6 +189,8 @@ def reconstruct(
         Another dimension fits, or the one that was found is uncertain.
     DroppedWarning
         Outliers were left out and `outliers` was not given.
+    MatrixWarning
+        The points are a symmetric matrix, as those of products and distances are.
     TransposedWarning
         More coordinates than samples, and too few of these for a single fit.
     RecallWarning
@@ -226,6 +229,8 @@ def reconstruct(
     remedy = 'invalid="drop" leaves such samples out'
     samples = check_samples(given, gram, distances, remedy)
     count = len(samples) if rows is None else len(np.asarray(points))
+    if isinstance(samples, Points) and (said := looks_like_a_matrix(samples.matrix)):
+        warnings.warn(said, MatrixWarning, stacklevel=2)
     known = check_fields(attributes, count, "attributes")
     threads = check_num_threads(num_threads)
     found = None

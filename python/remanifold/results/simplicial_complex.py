@@ -13,7 +13,12 @@ from remanifold._base.deprecated import renamed
 from remanifold._base.html import fragment
 from remanifold._base.read_only import ReadOnlyArrays
 from remanifold._base.text import one_line
-from remanifold._base.validation import check_cells, check_int, check_points
+from remanifold._base.validation import (
+    check_cells,
+    check_int,
+    check_points,
+    float_rows,
+)
 from remanifold.calculus import geodesics
 from remanifold.calculus.calculus import Calculus
 from remanifold.complex import normals, parts, projection
@@ -40,6 +45,21 @@ if TYPE_CHECKING:
     from remanifold.formats.objects import Fields
 
 
+def _positions(vertices: ArrayLike, simplices: ArrayLike) -> NDArray[np.float64]:
+    """Finite, but for rows of NaN that are in no simplex."""
+    given, cells = float_rows(vertices, "vertices"), np.asarray(simplices)
+    if given.ndim == 2 and given.dtype.kind == "f" and cells.dtype.kind in "iu":
+        nowhere = np.isnan(given).all(axis=1)
+        nowhere[cells[(cells >= 0) & (cells < len(given))]] = False
+        if nowhere.any():
+            filled = np.where(nowhere[:, None], 0.0, given)
+            whole = np.array(check_points(filled, "vertices"))
+            whole[nowhere] = np.nan
+            return whole
+    own: NDArray[np.float64] = check_points(vertices, "vertices").view()
+    return own
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class SimplicialComplex(ComplexData):
     """A pure K-dimensional simplicial complex in R^D. Arrays are read-only.
@@ -47,7 +67,7 @@ class SimplicialComplex(ComplexData):
     Parameters
     ----------
     vertices : array_like, shape (N, D)
-        Positions; vertices that no simplex uses are allowed.
+        Positions; vertices that no simplex uses are allowed, and may be NaN.
     simplices : array_like, shape (M, K+1)
         K-simplices, indices of vertices.
     vertex_attributes : mapping of str to array_like, optional
@@ -82,7 +102,7 @@ class SimplicialComplex(ComplexData):
         if self.vertices is None:
             msg = "vertices must be an array of shape (N, D), got None"
             raise TypeError(msg)
-        vertices = check_points(self.vertices, "vertices").view()
+        vertices = _positions(self.vertices, self.simplices)
         object.__setattr__(self, "vertices", vertices)
         simplices = check_cells(self.simplices, len(vertices))
         object.__setattr__(self, "simplices", simplices)
@@ -286,7 +306,8 @@ class SimplicialComplex(ComplexData):
         Parameters
         ----------
         values : array_like, shape (N,) or (N, C)
-            One value, or C of them, for each vertex.
+            One value, or C of them, for each vertex; those of vertices in no simplex
+            are ignored.
         points : array_like, shape (Q, D), or PointsOnComplex
             Points, whose projections are taken, or the result of `project` or `sample`.
         num_threads : int, optional

@@ -460,6 +460,7 @@ def test_version_and_help():
             str(CHECKS),
             "auto",
             "by their names, else guessed, which is said",
+            "points",
             "by the suffix",
             "by the suffix",
             "all cores",

@@ -501,3 +501,52 @@ def test_completion_is_offered():
     )
     assert code == 0
     assert b"_REMANIFOLD_COMPLETE=complete_bash" in out
+
+
+def said(done):
+    """Both streams, of any Typer."""
+    return done.stdout + done.stderr
+
+
+def test_matrices_of_distances_and_products(tmp_path):
+    points = rm.datasets.sphere(80, random_state=0)
+    away = np.linalg.norm(points[:, None] - points, axis=2)
+    np.save(tmp_path / "away.npy", away)
+    pd_like = ["," + ",".join(map(str, range(80)))]
+    pd_like += [
+        f"{i}," + ",".join(map(repr, row)) for i, row in enumerate(away.tolist())
+    ]
+    (tmp_path / "away.csv").write_text("\n".join(pd_like))
+    np.save(tmp_path / "gram.npy", points @ points.T)
+    expected = np.sort(rm.reconstruct(distances=away, dim=2).simplices, axis=1)
+    for name, kind in (("away.npy", "distances"), ("away.csv", "distances")):
+        arguments = (tmp_path / name, "-k", 2, "--matrix", kind)
+        done = run("reconstruct", *arguments, "-o", tmp_path / "a.rm.npz")
+        assert done.exit_code == 0, said(done)
+        assert "80 known by products or distances" in said(done)
+        found = rm.load(tmp_path / "a.rm.npz").simplices
+        np.testing.assert_array_equal(np.sort(found, axis=1), expected)
+    done = run(
+        *("reconstruct", tmp_path / "gram.npy", "-k", "auto", "--matrix", "gram"),
+        *("-o", tmp_path / "a.rm.npz"),
+    )
+    assert done.exit_code == 0, said(done)
+    assert rm.load(tmp_path / "a.rm.npz").topology().betti_numbers == (1, 0, 1)
+    done = run("reconstruct", tmp_path / "away.npy", "-k", 2, "-o", tmp_path / "a.npz")
+    assert "--matrix distances takes distances" in said(done)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["-o", "a.ply"], "have no coordinates, which meshes need"),
+        (["-o", "a.rm.npz", "--columns", "0,1"], "are for points"),
+        (["-o", "a.rm.npz"], "4 rows of 3 numbers, and --matrix expects"),
+    ],
+)
+def test_matrices_that_cannot_be(tmp_path, monkeypatch, arguments, says):
+    monkeypatch.chdir(tmp_path)
+    np.save("a.npy", np.arange(12.0).reshape(4, 3))
+    done = run("reconstruct", "a.npy", "-k", 1, "--matrix", "distances", *arguments)
+    assert done.exit_code != 0
+    assert says in " ".join(said(done).replace("│", "").split())

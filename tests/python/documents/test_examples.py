@@ -267,6 +267,23 @@ def run_in_shell(command, folder):
     return "\n".join(line.rstrip() for line in done.stdout.splitlines())
 
 
+def test_the_tasks_run_as_written(tmp_path, monkeypatch):
+    """One command or a few lines each, in a folder that has what the page makes."""
+    text = page("tasks.md")
+    first = re.search(r"(?s)```python\n(.*?)```", text)[1]
+    monkeypatch.chdir(tmp_path)
+    exec(compile(first, "tasks.md", "exec"), {})  # noqa: S102
+    examples = [*console_blocks(text)]
+    assert len(examples) > 5
+    for command, expected in examples:
+        assert run_in_shell(command, tmp_path).strip() == expected.strip(), command
+    for command in re.findall(r"(?m)^remanifold (?:info|dimension|report) .*$", text):
+        assert "error" not in run_in_shell(command, tmp_path).lower()
+    assert rm.io.read_complex("mesh.off").topology().betti_numbers == (1, 2, 1)
+    assert rm.load("cloud.rm.npz").topology().betti_numbers == (1, 2, 1)
+    assert {"colors"} <= {*rm.io.read_fields("my mesh.obj")}
+
+
 def test_the_command_line_prints_what_its_page_says(tmp_path):
     examples = [*console_blocks(page("command_line.md"))]
     assert len(examples) > 10

@@ -303,3 +303,27 @@ def test_normals_where_there_are_none():
         ValueError, match="dimension 1 has normals in 2 coordinates, not 3"
     ):
         _ = rm.SimplicialComplex(points, [[0, 1]]).vertex_normals
+
+
+def test_results_with_samples_that_are_nowhere_can_be_used(tmp_path):
+    """Pixels that saw nothing are NaN among the vertices, and in no simplex."""
+    points = rm.datasets.torus(400, random_state=9)
+    points[::40] = np.nan
+    rec = rm.reconstruct(points, 2, invalid="drop")
+    name = rec.topology().name
+    fine = rec.subdivide()
+    assert fine.topology().name == name
+    assert np.flatnonzero(np.isnan(fine.vertices).any(axis=1)).tolist() == [
+        *range(0, 400, 40)
+    ]
+    fine.write(tmp_path / "fine.ply")
+    assert rm.io.read_complex(tmp_path / "fine.ply").topology().name == name
+    for method in ("pca", "geodesic"):
+        assert np.isfinite(rm.embed(rec, method).points[rec.simplices]).all()
+    assert np.isfinite(rec.resample(150).volume())
+    heights = rec.vertices[:, 2]
+    there = rec.interpolate(heights, rec.vertices[1:40])
+    np.testing.assert_allclose(there, heights[1:40], atol=1e-12)
+    assert rec.calculus.level_set(heights, 0.1).topology().closed
+    with pytest.raises(ValueError, match=r"vertices\[40, 0\] is nan"):
+        rm.SimplicialComplex(points, [[40, 41, 42]])

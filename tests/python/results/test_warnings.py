@@ -48,6 +48,26 @@ def test_arrays_that_look_transposed():
     assert rm.TransposedWarning not in said(gram=flat[:8] @ flat[:8].T, dim=2)[0]
 
 
+def test_matrices_that_are_no_points():
+    points = rm.datasets.sphere(60, random_state=0) + 1
+    away = np.linalg.norm(points[:, None] - points, axis=2)
+    found, _ = said(away, 2)
+    assert found[rm.MatrixWarning].endswith("diagonal: distances= takes distances")
+    found, _ = said(points @ points.T, 2)
+    assert (
+        "60 rows, as that of inner products is: gram= takes" in found[rm.MatrixWarning]
+    )
+    with pytest.warns(rm.MatrixWarning, match="distances="):
+        rm.estimate_dimension(away)
+    # Corners of a simplex, as many samples as coordinates, rounding, a block.
+    for other in (np.eye(60), away + 0.1 * np.eye(60)[3], away[:50], -away):
+        found, _ = said(other, 2)
+        assert rm.MatrixWarning not in found
+    found, _ = said(away.astype(np.float32), 2)
+    assert rm.MatrixWarning in found
+    assert rm.MatrixWarning not in said(distances=away, dim=2)[0]
+
+
 def with_outliers():
     circle = rm.datasets.circle(300, random_state=0)
     return np.vstack([circle, [[0.1, 0.2], [3.0, 1.0]]])
