@@ -6,7 +6,7 @@
     python benchmarks/calculus.py distances    # along the triangles
     python benchmarks/calculus.py charts       # how much they stretch
     python benchmarks/calculus.py curvature    # curvatures by local fits
-    python benchmarks/calculus.py peers        # times beside potpourri3d, for surfaces
+    python benchmarks/calculus.py peers        # beside other libraries, for surfaces
 
 Samples are random, seed 0 on; numbers are means over the seeds.
 """
@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import typer
@@ -327,58 +327,250 @@ def curvature(markdown: MarkdownOption = False) -> None:
     print_lines(lines, markdown=markdown)
 
 
-@app.command()
-def peers(
-    count: Annotated[int, typer.Option(min=100, help="Samples of a torus.")] = 20_000,
-    repeats: Annotated[int, typer.Option(min=1, help="Of which the best.")] = 3,
-    markdown: MarkdownOption = False,
-) -> None:
-    """Seconds beside potpourri3d, and how far the answers are apart."""
+class Task(NamedTuple):
+    """What two libraries do on the same triangles, and how far each is off."""
+
+    name: str
+    library: str
+    own: Callable[[], object]
+    their: Callable[[], object]
+    error: Callable[[Any], float] | None  # of an answer, beside the exact one
+
+
+def tasks_beside_others(count: int) -> list[Task]:
+    """On the unit sphere, a band of it and an ellipsoid, of so many random samples."""
+    import igl
     import potpourri3d
+    import pyvista
+    import robust_laplacian
+    import trimesh
+    from scipy.sparse.linalg import eigsh
 
-    rec = rm.reconstruct(datasets.torus(count, random_state=0), 2)
-    rows = rec.simplices.astype(np.int64)
+    points = datasets.sphere(count, random_state=0)
+    long = points * [1, 1.3, 1.6]
+    inside = np.abs(points[:, 2]) < 0.8
+    sphere = rm.reconstruct(points, 2).simplices
+    ellipsoid = rm.reconstruct(long, 2).simplices
+    band = points[inside]
+    ring = rm.reconstruct(band, 2)
+    rows, far, around = (
+        np.ascontiguousarray(own, dtype=np.int64)
+        for own in (sphere, ellipsoid, ring.simplices)
+    )
+    rim = ring.calculus.boundary_vertices
+    harmonic = np.arctanh(band[:, 2])
+    height, start = points[:, 2], 5
+    away = np.arccos(np.clip(points @ points[start], -1, 1))
+    near = (away > 0.05) & (away < 2.5)
+    levels = np.repeat(np.arange(5) * np.arange(1, 6), 2 * np.arange(5) + 1)[1:]
+    gaussian = on_ellipsoid(long) / 2
+    length = 2 * np.pi * np.sqrt(1 - 0.2**2)
+    flat = points[rows].mean(axis=1)
+    flat /= np.linalg.norm(flat, axis=1, keepdims=True)
+    tangential = np.array([0, 0, 1]) - flat[:, 2:] * flat
 
-    def best(call: Callable[[], object]) -> tuple[float, object]:
-        times, answer = [], None
-        for _ in range(repeats):
-            start = time.perf_counter()
-            answer = call()
-            times.append(time.perf_counter() - start)
-        return min(times), answer
+    def fresh(vertices: np.ndarray = points, cells: np.ndarray = sphere) -> Any:
+        return rm.SimplicialComplex(vertices, cells)
 
-    def fresh() -> rm.Calculus:
-        return rm.SimplicialComplex(rec.vertices, rec.simplices).calculus
+    def mean_error(true: np.ndarray) -> Callable[[Any], float]:
+        return lambda found: float(np.nanmean(np.abs(found - true)))
 
-    def matrices() -> object:
-        calculus = fresh()
+    def own_matrices() -> object:
+        calculus = fresh().calculus
         return calculus.stiffness(), calculus.vertex_volumes
 
     def their_matrices() -> object:
         return (
-            potpourri3d.cotan_laplacian(rec.vertices, rows),
-            potpourri3d.vertex_areas(rec.vertices, rows),
+            potpourri3d.cotan_laplacian(points, rows),
+            potpourri3d.vertex_areas(points, rows),
         )
 
-    def logarithm() -> object:
-        return fresh().logarithm(5).coordinates
+    def own_flipped() -> object:
+        calculus = fresh().calculus
+        return calculus.stiffness(delaunay=True), calculus.mass(
+            lumped=True, delaunay=True
+        )
+
+    def their_spectrum() -> object:
+        stiffness, mass = robust_laplacian.mesh_laplacian(points, rows)
+        return eigsh(stiffness, 25, mass, sigma=-1e-2)[0]
+
+    def eigenvalues(found: Any) -> float:
+        return float(np.abs(np.sort(found)[1:] / levels - 1).mean())
+
+    def own_logarithm(method: Any) -> Callable[[], object]:
+        return lambda: fresh().calculus.logarithm(start, method).coordinates
 
     def their_logarithm() -> object:
-        return potpourri3d.MeshVectorHeatSolver(rec.vertices, rows).compute_log_map(5)
+        return potpourri3d.MeshVectorHeatSolver(points, rows).compute_log_map(start)
+
+    def logarithm_error(found: Any) -> float:
+        """Of places in the tangent plane, after the best turn or reflection."""
+        first = np.linalg.svd(points[start][None])[2][1:]
+        true = points @ first.T
+        true *= (away / np.maximum(np.linalg.norm(true, axis=1), 1e-300))[:, None]
+        left, _, right = np.linalg.svd(found[near].T @ true[near])
+        off = found[near] @ (left @ right) - true[near]
+        return float(np.linalg.norm(off, axis=1).mean())
+
+    def their_curvature() -> object:
+        _, _, low, high, _ = igl.principal_curvature(long, far)
+        return low * high
+
+    def their_defects() -> object:
+        areas = igl.massmatrix(long, far, igl.MASSMATRIX_TYPE_BARYCENTRIC).diagonal()
+        return igl.gaussian_curvature(long, far) / areas
+
+    def their_level() -> object:
+        mesh = pyvista.PolyData.from_regular_faces(points, rows)
+        line = mesh.contour([0.2], height)
+        return line.compute_cell_sizes(area=False, volume=False)["Length"].sum()
+
+    def their_normals() -> object:
+        return np.array(trimesh.Trimesh(points, rows, process=False).vertex_normals)
+
+    def angle(found: Any) -> float:
+        return float(np.degrees(np.linalg.norm(found - points, axis=1)).mean())
+
+    def their_finer() -> object:
+        return trimesh.remesh.subdivide_loop(points, rows, 1)[0]
+
+    def their_gradient() -> object:
+        found = igl.grad(points, rows) @ height
+        return found.reshape(3, -1).T
+
+    def off_sphere(found: Any) -> float:
+        return float(np.abs(np.linalg.norm(found, axis=1) - 1).mean())
+
+    return [
+        Task(
+            "stiffness and lumped mass",
+            "potpourri3d",
+            own_matrices,
+            their_matrices,
+            None,
+        ),
+        Task(
+            "the same, intrinsic Delaunay",
+            "robust_laplacian",
+            own_flipped,
+            lambda: robust_laplacian.mesh_laplacian(points, rows),
+            None,
+        ),
+        Task(
+            "25 eigenvalues",
+            "robust_laplacian, SciPy",
+            lambda: fresh().calculus.spectrum(25).eigenvalues,
+            their_spectrum,
+            eigenvalues,
+        ),
+        Task(
+            "harmonic function on a band",
+            "libigl",
+            lambda: (
+                fresh(band, ring.simplices)
+                .calculus.poisson(np.zeros(len(band)), rim, harmonic[rim])
+                .values
+            ),
+            lambda: igl.harmonic(band, around, rim, harmonic[rim][:, None], 1)[:, 0],
+            mean_error(harmonic),
+        ),
+        Task(
+            "gradient",
+            "libigl",
+            lambda: fresh().calculus.gradient(height),
+            their_gradient,
+            mean_error(tangential),
+        ),
+        Task(
+            "exact distances",
+            "libigl",
+            lambda: fresh().geodesic_distances(start, "exact")[0],
+            lambda: igl.exact_geodesic(
+                points, rows, VS=np.array([start]), VT=np.arange(count)
+            ),
+            mean_error(away),
+        ),
+        *(
+            Task(
+                f"logarithm map, `{method}`",
+                "potpourri3d",
+                own_logarithm(method),
+                their_logarithm,
+                logarithm_error,
+            )
+            for method in ("heat", "exact")
+        ),
+        Task(
+            "Gaussian curvature by fits",
+            "libigl",
+            lambda: fresh(long, ellipsoid).calculus.curvature().scalar / 2,
+            their_curvature,
+            mean_error(gaussian),
+        ),
+        Task(
+            "Gaussian curvature by angles",
+            "libigl",
+            lambda: fresh(long, ellipsoid).calculus.angle_defects().gaussian_curvature,
+            their_defects,
+            mean_error(gaussian),
+        ),
+        Task(
+            "level set, its length",
+            "VTK",
+            lambda: fresh().calculus.level_set(height, 0.2).volume(),
+            their_level,
+            lambda found: abs(found - length),
+        ),
+        Task(
+            "vertex normals, degrees",
+            "trimesh",
+            lambda: fresh().vertex_normals,
+            their_normals,
+            angle,
+        ),
+        Task(
+            "subdivision, off the sphere",
+            "trimesh, Loop",
+            lambda: fresh().subdivide().vertices,
+            their_finer,
+            off_sphere,
+        ),
+    ]
+
+
+@app.command()
+def peers(
+    count: Annotated[int, typer.Option(min=100, help="Samples.")] = 20_000,
+    repeats: Annotated[int, typer.Option(min=1, help="Of which the best.")] = 3,
+    markdown: MarkdownOption = False,
+) -> None:
+    """CPU seconds and errors beside libraries for triangles, from the same triangles."""
+
+    def best(call: Callable[[], object]) -> tuple[float, object]:
+        times, answer = [], None
+        for _ in range(repeats):
+            start = time.process_time()
+            answer = call()
+            times.append(time.process_time() - start)
+        return min(times), answer
 
     lines = []
-    for what, own, their in (
-        ("stiffness and lumped mass", matrices, their_matrices),
-        ("logarithm map", logarithm, their_logarithm),
-    ):
-        mine, _ = best(own)
-        other, _ = best(their)
+    for task in tasks_beside_others(count):
+        mine, own = best(task.own)
+        other, their = best(task.their)
+        errors = ["", ""]
+        if task.error is not None:
+            errors = [f"{task.error(found):.2g}" for found in (own, their)]
         lines.append(
             [
-                (f"torus, {count:,} samples", what),
-                ("remanifold, seconds", f"{mine:.2f}"),
-                ("potpourri3d, seconds", f"{other:.2f}"),
-                ("ratio", f"{mine / other:.1f}"),
+                (f"{count:,} samples", task.name),
+                ("CPU seconds", f"{mine:.3g}"),
+                ("error", errors[0]),
+                ("beside", task.library),
+                ("CPU seconds, other", f"{other:.3g}"),
+                ("error, other", errors[1]),
+                ("ratio", f"{mine / other:.2g}"),
             ]
         )
     print_lines(lines, markdown=markdown)

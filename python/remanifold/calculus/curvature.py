@@ -326,15 +326,18 @@ def _fit(
     tangents = _principal(steps * weights[:, :, None], dim)
     known = np.ones(len(own), dtype=np.bool_)
     for turn in range(_TURNS):
-        along = np.einsum("npd,nkd->npk", steps, tangents)
-        across = steps - np.einsum("npk,nkd->npd", along, tangents)
+        along = steps @ tangents.transpose(0, 2, 1)
+        across = steps - along @ tangents
         # As far along as they are away: over chords a sphere is a paraboloid, and of
         # other shapes only how the curvature changes is left to the higher degrees.
         shadow = np.sqrt((along**2).sum(axis=2))
         chord = np.sqrt((steps**2).sum(axis=2))
         along *= (chord / np.where(shadow > 0, shadow, 1.0))[:, :, None]
-        terms = np.stack([along[:, :, list(own)].prod(axis=2) for own in monomials], 2)
-        terms *= weights[:, :, None]
+        terms = np.empty((*weights.shape, len(monomials)))
+        for place, factors in enumerate(monomials):
+            terms[:, :, place] = weights
+            for axis in factors:
+                terms[:, :, place] *= along[:, :, axis]
         normal = terms.transpose(0, 2, 1) @ terms
         scale = np.linalg.eigvalsh(normal)
         known = scale[:, 0] > _DETERMINED * scale[:, -1]

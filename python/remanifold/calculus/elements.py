@@ -71,22 +71,65 @@ def _elements(
     products = np.zeros((size, dim + 1, dim + 1))
     flat = np.ones(size, dtype=np.bool_)
     for rows, gram, scale in blocks:
-        solid = np.linalg.eigvalsh(gram)[:, 0] > FLAT
+        solid = _least(gram) > FLAT
         own = np.arange(rows.start, rows.stop)[solid]
-        factors = np.linalg.cholesky(gram[solid])
+        factors, inverse = _factors(gram[solid])
         unit = np.sqrt(scale[solid])
         flat[own] = False
         # Of the diagonal: its product is the root of the determinant.
         diagonals = np.diagonal(factors, axis1=1, axis2=2)
         volumes[own] = (diagonals * unit[:, None]).prod(axis=1) / math.factorial(dim)
         frames[own] = factors * unit[:, None, None]
-        inverse = np.linalg.inv(gram[solid]) / scale[solid][:, None, None]
+        inverse /= scale[solid][:, None, None]
         full = np.empty((len(own), dim + 1, dim + 1))
         full[:, 1:, 1:] = inverse
         full[:, 0, 1:] = full[:, 1:, 0] = -inverse.sum(axis=2)
         full[:, 0, 0] = inverse.sum(axis=(1, 2))
         products[own] = full
     return Elements(volumes, frames, products, flat)
+
+
+def _least(gram: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Least eigenvalues; of two by two in closed form, which takes a tenth of the time."""
+    if gram.shape[1] != 2:
+        return np.asarray(np.linalg.eigvalsh(gram)[:, 0])
+    a, b, c = gram[:, 0, 0], gram[:, 0, 1], gram[:, 1, 1]
+    largest = (a + c) / 2 + np.hypot((a - c) / 2, b)
+    return np.asarray((a * c - b * b) / np.where(largest > 0, largest, 1.0))
+
+
+def _factors(
+    gram: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Cholesky factors and inverses."""
+    if gram.shape[1] != 2:
+        return np.asarray(np.linalg.cholesky(gram)), np.asarray(np.linalg.inv(gram))
+    a, b, c = gram[:, 0, 0], gram[:, 0, 1], gram[:, 1, 1]
+    determinant = a * c - b * b
+    root = np.sqrt(a)
+    factors, inverse = np.zeros_like(gram), np.empty_like(gram)
+    factors[:, 0, 0], factors[:, 1, 0] = root, b / root
+    factors[:, 1, 1] = np.sqrt(determinant) / root
+    inverse[:, 0, 0], inverse[:, 1, 1] = c / determinant, a / determinant
+    inverse[:, 0, 1] = inverse[:, 1, 0] = -b / determinant
+    return factors, inverse
+
+
+def solve_frames(
+    frames: NDArray[np.float64], right: NDArray[np.float64], *, transposed: bool = False
+) -> NDArray[np.float64]:
+    """Solve with lower triangular matrices, (M, K, K), for (M, K) or (M, K, C)."""
+    dim = frames.shape[1]
+    found = np.empty_like(right)
+    wide = frames.reshape(*frames.shape, *(1,) * (right.ndim - 2))
+    for i in reversed(range(dim)) if transposed else range(dim):
+        found[:, i] = right[:, i]
+        for j in range(i + 1, dim) if transposed else range(i):
+            found[:, i] -= (wide[:, j, i] if transposed else wide[:, i, j]) * found[
+                :, j
+            ]
+        found[:, i] /= wide[:, i, i]
+    return found
 
 
 def differences(

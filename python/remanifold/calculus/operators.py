@@ -11,7 +11,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from remanifold import _core
-from remanifold.calculus.elements import Elements, differences, elements_of
+from remanifold.calculus.elements import (
+    Elements,
+    differences,
+    elements_of,
+    solve_frames,
+)
 from remanifold.calculus.solving import Solver, factorized, scipy_module
 from remanifold.complex.faces import boundary_operators, face_numbers
 
@@ -218,9 +223,8 @@ class Operators:
         steps = differences(values, self.simplices)
         flat = self.elements.flat
         frames = np.where(flat[:, None, None], np.eye(self.dim), self.elements.frames)
-        wide = steps.reshape(*steps.shape[:2], -1)
-        wide[flat] = 0.0
-        return np.asarray(np.linalg.solve(frames, wide).reshape(steps.shape))
+        steps[flat] = 0.0
+        return solve_frames(frames, steps)
 
     def ambient_frames(self) -> Floats:
         """Orthonormal axes of the frames in coordinates, (M, K, D); zero if flat."""
@@ -228,7 +232,7 @@ class Operators:
         edges = differences(coordinates, self.simplices)
         flat = self.elements.flat
         frames = np.where(flat[:, None, None], np.eye(self.dim), self.elements.frames)
-        axes = np.linalg.solve(frames, edges)
+        axes = solve_frames(frames, edges)
         axes[flat] = 0.0
         return np.asarray(axes)
 
@@ -238,8 +242,8 @@ class Operators:
         frames = np.where(flat[:, None, None], np.eye(self.dim), self.elements.frames)
         # Gradients of the coordinates of all vertices but the first are the columns of
         # the inverse; that of the first is minus their sum.
-        others = np.linalg.solve(frames.transpose(0, 2, 1), vectors[:, :, None])
-        sums = np.concatenate([-others.sum(axis=1), others[:, :, 0]], axis=1)
+        others = solve_frames(frames, vectors, transposed=True)
+        sums = np.concatenate([-others.sum(axis=1, keepdims=True), others], axis=1)
         sums *= self.elements.volumes[:, None]
         return np.asarray(
             np.bincount(self.simplices.ravel(), sums.ravel(), self.count), np.float64

@@ -76,6 +76,8 @@ def _add(sums: Floats, rows: NDArray[np.int32], values: Floats) -> None:
 def _products(edges: Floats) -> Floats:
     """What is orthogonal to K vectors of K + 1 coordinates, as the cross product is."""
     count, _, space = edges.shape
+    if space == 3:
+        return np.asarray(np.cross(edges[:, 0], edges[:, 1]))
     found = np.empty((count, space))
     for axis in range(space):
         minor = np.delete(edges, axis, axis=2)
