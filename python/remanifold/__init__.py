@@ -54,6 +54,7 @@ from remanifold.method.steps import (
     tangent_spaces,
 )
 from remanifold.page.report_page import write_report
+from remanifold.remeshing.volume import VolumeEstimate
 from remanifold.results.forecast import forecast
 from remanifold.results.reconstruct import reconstruct
 from remanifold.results.reconstruction import Reconstruction, load
@@ -126,6 +127,7 @@ __all__ = [
     "TangentSpaces",
     "Topology",
     "TransposedWarning",
+    "VolumeEstimate",
     "VoronoiCells",
     "__version__",
     "clique_complex",

@@ -605,7 +605,7 @@ def results():
     yield from (calculus, calculus.spectrum(3), calculus.poisson(heights))
     yield from (calculus.fit(heights), calculus.circular_coordinates())
     yield from (calculus.voronoi_cells([0]), calculus.mean([0]))
-    yield calculus.intrinsic_delaunay()
+    yield from (calculus.intrinsic_delaunay(), cap.estimate_volume())
     yield from (calculus.logarithm(0), calculus.curvature(), calculus.angle_defects())
     atlas = calculus.charts()
     yield from (atlas, atlas.charts[0], atlas.transform(cap.vertices), cap.simplify(50))

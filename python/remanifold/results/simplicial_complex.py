@@ -30,6 +30,7 @@ from remanifold.drawing.plotting import plot
 from remanifold.formats import objects
 from remanifold.formats.writing import check_fields, write_complex
 from remanifold.remeshing import resampling, simplification, subdivision
+from remanifold.remeshing.volume import VolumeEstimate, estimate_volume
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -376,6 +377,33 @@ class SimplicialComplex(ComplexData):
         float
         """
         return float(self.simplex_volumes.sum())
+
+    def estimate_volume(self) -> VolumeEstimate:
+        """K-volume of the manifold itself, which `volume` falls short of.
+
+        Every edge is halved at a point of the fitted manifold, as `subdivide` does, and
+        what the volume gains by this tells what more halving would give (Richardson).
+
+        Returns
+        -------
+        VolumeEstimate
+            In units of length^K. On closed manifolds with samples dense enough the error
+            is about a hundredth of that of `volume`. At a boundary samples say only how
+            far they reach, and ``error`` is mostly what they may miss there.
+
+        Raises
+        ------
+        ImportError
+            SciPy is not installed: ``pip install remanifold[calculus]``.
+
+        Examples
+        --------
+        >>> import remanifold as rm
+        >>> sphere = rm.reconstruct(rm.datasets.sphere(500, random_state=0), 2)
+        >>> round(sphere.volume(), 2), round(sphere.estimate_volume().value, 2)
+        (12.42, 12.57)
+        """
+        return estimate_volume(self)
 
     @functools.cached_property
     def calculus(self) -> Calculus[SimplicialComplex]:
