@@ -261,6 +261,10 @@ def test_ring_molecule_has_a_circle_and_two_chairs():
     assert topology.closed
     assert topology.betti_numbers == (1, 1)
     assert len(np.unique(variables["chairs"].round(6), axis=0)) == 2
+    energy, minima = variables["energy"], variables["minima"]
+    assert len(minima) == 6
+    assert np.ptp(energy[minima]) < 0.02
+    assert variables["forces"].max() > 1
     amplitude = abs(variables["boats"][variables["on_curve"]])
     assert 0.83 < amplitude.min() < amplitude.max() < 0.84
     # All around: no gap in the phase.
