@@ -932,7 +932,8 @@ class Calculus(Generic[C]):
         Returns
         -------
         LogarithmMap
-            It takes distances from some twenty vertices for K = 2, forty for K = 3. Near
+            It takes exact distances from eight vertices, or by the heat method from some
+            twenty for K = 2, forty for K = 3. Near
             points that several shortest paths lead to, directions are between theirs.
 
         Raises

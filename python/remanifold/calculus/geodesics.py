@@ -79,9 +79,7 @@ class Distances:
         As many as are planned in all, now or later, say what can be afforded.
         """
         indices = _check_sources(self._whole, sources)
-        method = self._method
-        if method == "auto":
-            method = self._affordable(max(planned or 0, len(indices)))
+        method = self.method_for(max(planned or 0, len(indices)))
         if method == "graph" or self._whole.dim < 2:  # edges are all that there is
             return _along_edges(self._complex, indices)
         if method == "exact":
@@ -100,6 +98,10 @@ class Distances:
             away = self._solvers[label](int(np.searchsorted(own, source)))
             distances[row, own] = away
         return distances
+
+    def method_for(self, count: int) -> GeodesicMethod:
+        """What distances from so many vertices are computed by."""
+        return self._affordable(count) if self._method == "auto" else self._method
 
     def _affordable(self, count: int) -> GeodesicMethod:
         whole = self._whole

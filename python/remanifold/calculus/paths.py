@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 # Vertices that a path may pass: no farther from both ends together than the way along the
 # edges, which is too long by about a tenth, and so much besides.
 _DETOUR = 1.2
+_MORE_THAN_UNKNOWNS = 2  # sources of exact distances for a logarithm
 _RINGS = 2  # of vertices around a coarse path that a finer one may pass
 
 
@@ -323,6 +324,17 @@ def frechet_mean(
     return FrechetMean(vertex, float(spread[vertex]), spread)
 
 
+def _spread(places: Floats, count: int) -> NDArray[np.int64]:
+    """Some of the places around the origin, each the farthest from it and those before."""
+    nearest = np.linalg.norm(places, axis=1)
+    chosen: list[int] = []
+    for _ in range(count):
+        chosen.append(int(nearest.argmax()))
+        away = np.linalg.norm(places - places[chosen[-1]], axis=1)
+        nearest = np.minimum(nearest, away)
+    return np.array(chosen, dtype=np.int64)
+
+
 def logarithm_map(
     distances: Distances, complex_: ComplexData, vertex: int
 ) -> LogarithmMap:
@@ -334,13 +346,19 @@ def logarithm_map(
     """
     dim = complex_.dim
     near, tangents, places = fit_at(complex_, vertex)
-    own = distances.from_sources([vertex], len(near))[0]
-    own[vertex] = 0.0
-    rows = distances.from_sources(near)
-    rows[np.arange(len(near)), near] = 0.0
     pairs = list(itertools.combinations_with_replacement(range(dim), 2))
+    chosen = np.arange(len(near))
+    # Exact distances have no noise that more of them would average.
+    few = dim + len(pairs) + _MORE_THAN_UNKNOWNS
+    if few < len(near) and distances.method_for(few + 1) == "exact":
+        chosen = _spread(places, few)
+    own = distances.from_sources([vertex], len(chosen) + 1)[0]
+    own[vertex] = 0.0
+    rows = distances.from_sources(near[chosen], len(chosen) + 1)
+    rows[np.arange(len(chosen)), near[chosen]] = 0.0
+    around = places[chosen]
     terms = np.concatenate(
-        [-places, np.stack([places[:, i] * places[:, j] for i, j in pairs], axis=1)],
+        [-around, np.stack([around[:, i] * around[:, j] for i, j in pairs], axis=1)],
         axis=1,
     )
     reached = np.isfinite(own)
