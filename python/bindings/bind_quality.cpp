@@ -14,6 +14,14 @@
 namespace remanifold::python {
 namespace {
 
+/// Numbers of the samples, and their neighbors among these.
+py::tuple listed(ListedNeighbors result) {
+  const auto rows = static_cast<py::ssize_t>(result.numbers.size());
+  const py::ssize_t count = result.near.count;
+  py::array near = to_numpy(std::move(result.near.indices), {rows, count});
+  return py::make_tuple(to_numpy(std::move(result.numbers)), std::move(near));
+}
+
 /// \param tangents  shape (N, K, D), or none
 py::dict quality(const Input& input, const InputArray<Index>& simplices,
                  const std::optional<InputArray<double>>& tangents, Index num_neighbors,
@@ -40,10 +48,20 @@ py::dict quality(const Input& input, const InputArray<Index>& simplices,
   out["gap"] = to_numpy(std::move(result.gap));
   out["nearest_strange"] = to_numpy(std::move(result.nearest_strange));
   out["rim"] = to_numpy(std::move(result.rim));
-  const auto rows = static_cast<py::ssize_t>(result.listed_numbers.size());
-  out["near"] = to_numpy(std::move(result.listed.indices), {rows, result.listed.count});
-  out["numbers"] = to_numpy(std::move(result.listed_numbers));
+  const py::tuple of_listed = listed(std::move(result.listed));
+  out["numbers"] = of_listed[0];
+  out["near"] = of_listed[1];
   return out;
+}
+
+py::tuple neighbors(const Input& input, Index count, const std::string& search,
+                    int checks, int num_threads, const py::object& progress) {
+  const SearchOptions searching = search_options(search, checks);
+  return listed(run(num_threads, progress, [&](const Execution& execution) {
+    const Samples samples = input.samples(execution);
+    const NeighborSearch index(samples, searching, execution);
+    return list_neighbors(samples, index, count, execution);
+  }));
 }
 
 /// \param samples  shape (n,)
@@ -87,6 +105,8 @@ void bind_quality(py::module_& module) {
              arg("tangents").noconvert(), py::kw_only(), arg("num_neighbors"),
              arg("num_listed"), arg("search"), arg("checks"), arg("num_threads"),
              arg("progress"));
+  module.def("list_neighbors", &neighbors, arg("samples"), arg("count"), py::kw_only(),
+             arg("search"), arg("checks"), arg("num_threads"), arg("progress"));
   module.def("local_spreads", &spreads, arg("points").noconvert(),
              arg("samples").noconvert(), arg("neighbors").noconvert(), arg("sizes"),
              arg("num_spreads"), arg("num_threads"));

@@ -171,6 +171,15 @@ def quality(
     num_threads: int,
     progress: _Progress,
 ) -> dict[str, Any]: ...
+def list_neighbors(
+    samples: _Samples,
+    count: int,
+    *,
+    search: str,
+    checks: int,
+    num_threads: int,
+    progress: _Progress,
+) -> tuple[NDArray[np.int32], NDArray[np.int32]]: ...
 def local_spreads(
     points: NDArray[np.float64],
     samples: NDArray[np.int32],

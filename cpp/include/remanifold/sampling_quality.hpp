@@ -31,6 +31,18 @@ struct QualityOptions {
   Index num_listed = 0;  ///< neighbors of each sample that are handed over
 };
 
+/// Neighbors of all samples, copies left out.
+struct ListedNeighbors {
+  /// In an order of the samples in which those near each other are near in memory; numbers
+  /// in that order.
+  Neighborhoods near;
+  std::vector<Index> numbers;  ///< input numbers of the samples in that order
+};
+
+/// \param count  of each sample; fewer where there are fewer samples
+ListedNeighbors list_neighbors(const Samples& samples, const NeighborSearch& search,
+                               Index count, const Execution& execution = {});
+
 /// By input number, copies like the sample they were merged with; input lengths. NaN where
 /// a sample has too few neighbors.
 struct SamplingQuality {
@@ -46,10 +58,8 @@ struct SamplingQuality {
       nearest_strange;            ///< distance to the nearest sample far along the
                                   ///< result; infinite where none of the neighbors is
   std::vector<std::uint8_t> rim;  ///< 2: on an open facet, 1: in a simplex with such
-  /// At least num_listed neighbors where there are so many, in an order of the samples in
-  /// which those near each other are near in memory, copies left out; numbers in that order.
-  Neighborhoods listed;
-  std::vector<Index> listed_numbers;  ///< input numbers of the samples in that order
+  /// What list_neighbors() gives of at least num_listed; empty where none are asked for.
+  ListedNeighbors listed;
 };
 
 /// \param simplices  in input numbers, columns in any order

@@ -2,6 +2,7 @@
 #include "remanifold/simplex_measures.hpp"
 
 #include "base/parallel.hpp"
+#include "base/select_few.hpp"
 #include "base/small_systems.hpp"
 
 #include <Eigen/Core>
@@ -77,15 +78,14 @@ std::vector<double> local_scales(const Samples& samples,
   });
   detail::for_each_block_uncounted(n, kBlock, execution, [&](Offset begin, Offset end) {
     std::vector<double> near(count + 1);
+    detail::FewSelector selector;
     for (Offset i = begin; i < end; ++i) {
       const auto x = static_cast<Index>(i);
       near[0] = raw[x];
       for (Index k = 0; k < count; ++k) {
         near[k + 1] = raw[neighborhoods.of(x)[k]];
       }
-      const auto middle = near.begin() + count / 2;
-      std::nth_element(near.begin(), middle, near.end());
-      scales[x] = *middle;
+      scales[x] = selector.select(near, static_cast<std::size_t>(count) / 2);
     }
   });
   return scales;

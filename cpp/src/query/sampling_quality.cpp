@@ -5,6 +5,7 @@
 #include "base/parallel.hpp"
 #include "base/parallel_csr.hpp"
 #include "base/per_thread.hpp"
+#include "base/select_few.hpp"
 #include "base/small_systems.hpp"
 #include "complex/simplex_rows.hpp"
 #include "local/frame_fit.hpp"
@@ -87,63 +88,43 @@ double dot(const double* a, const double* b, Eigen::Index count) {
   return sum;
 }
 
-/// A quadratic fit of normal vectors over tangent coordinates.
+/// Quadratic fits of normal vectors over tangent coordinates, to the nearest neighbors of a
+/// sample and to twice as many: sums over the former are part of those over the latter.
 /// \tparam K  or Eigen::Dynamic
 template <int K>
-class Quadric {
+class Quadrics {
  public:
-  explicit Quadric(int dim) : dim_(dim) {}
+  explicit Quadrics(int dim) : dim_(dim) {}
 
   /// \param tangents  m x K
   /// \param normals   m x r
-  /// \returns the root mean square distance from the fit of the first `count` rows; NaN
-  ///          where they are too few or lie badly
-  double fit(const Columns& tangents, const Columns& normals, Eigen::Index count) {
+  /// \param narrow    rows of the narrow fit; the wide one has all
+  void fit(const Columns& tangents, const Columns& normals, Eigen::Index narrow) {
     const int unknowns = num_unknowns();
-    if (count <= unknowns) {
-      return kNaN;
+    const Eigen::Index wide = tangents.rows();
+    scatter_ = wide_scatter_ = kNaN;
+    const double narrow_size = farthest(tangents, narrow);
+    size_ = std::max(narrow_size, farthest(tangents, wide));
+    if (wide <= unknowns || !(size_ > 0)) {
+      return;
     }
-    if (!fill_design(tangents, count)) {
-      return kNaN;
+    fill_design(tangents);
+    gram_.setZero(unknowns, unknowns);
+    right_.setZero(unknowns, normals.cols());
+    add_products(normals, 0, narrow);
+    if (narrow > unknowns && narrow_size > 0) {
+      scatter_ = solve(normals, narrow, size_ / narrow_size);
     }
-    gram_.resize(unknowns, unknowns);
-    for (int i = 0; i < unknowns; ++i) {
-      for (int j = 0; j <= i; ++j) {
-        gram_(i, j) = dot(column(i), column(j), count);
-      }
-    }
-    factors_.compute(gram_);
-    double least = kInfinity;
-    double largest = -kInfinity;
-    for (int i = 0; i < unknowns; ++i) {
-      least = std::min(least, factors_.pivot(i));
-      largest = std::max(largest, factors_.pivot(i));
-    }
-    if (!(least > kFlatDesign * largest)) {
-      return kNaN;
-    }
-    solution_.resize(unknowns, normals.cols());
-    double rest = 0;
-    for (Eigen::Index axis = 0; axis < normals.cols(); ++axis) {
-      const double* normal = normals.data() + axis * normals.rows();
-      for (int i = 0; i < unknowns; ++i) {
-        solution_(i, axis) = dot(column(i), normal, count);
-      }
-      factors_.solve(solution_.col(axis));
-      residual_.assign(normal, normal + count);
-      for (int i = 0; i < unknowns; ++i) {
-        const double* term = column(i);
-        const double factor = solution_(i, axis);
-        for (Eigen::Index row = 0; row < count; ++row) {
-          residual_[row] -= factor * term[row];
-        }
-      }
-      rest += dot(residual_.data(), residual_.data(), count);
-    }
-    return std::sqrt(rest / static_cast<double>(count - unknowns));
+    add_products(normals, narrow, wide);
+    wide_scatter_ = solve(normals, wide, 1);
   }
 
-  /// The largest norm of II(u, .) over unit vectors u, of the last fit.
+  /// The root mean square distances from the fits; NaN where the rows are too few or lie
+  /// badly.
+  double scatter() const { return scatter_; }
+  double wide_scatter() const { return wide_scatter_; }
+
+  /// The largest norm of II(u, .) over unit vectors u, of the wide fit.
   double curvature() {
     const auto row_of = [&](int i, int j) {
       const int high = std::max(i, j);
@@ -175,39 +156,105 @@ class Quadric {
 
   int dim() const { return K == Eigen::Dynamic ? dim_ : K; }
   int num_unknowns() const { return 1 + dim() + dim() * (dim() + 1) / 2; }
-  double* column(int i) { return design_.data() + i * design_.rows(); }
+  const double* column(int i) const { return design_.data() + i * design_.rows(); }
+
+  double farthest(const Columns& tangents, Eigen::Index count) const {
+    double squared = 0;
+    for (Eigen::Index row = 0; row < count; ++row) {
+      double sum = 0;
+      for (int i = 0; i < dim(); ++i) {
+        sum += tangents(row, i) * tangents(row, i);
+      }
+      squared = std::max(squared, sum);
+    }
+    return std::sqrt(squared);
+  }
 
   /// 1, the coordinates in units of the farthest, and their products.
-  bool fill_design(const Columns& tangents, Eigen::Index count) {
-    double farthest = 0;
-    for (Eigen::Index row = 0; row < count; ++row) {
-      double squared = 0;
-      for (int i = 0; i < dim(); ++i) {
-        squared += tangents(row, i) * tangents(row, i);
-      }
-      farthest = std::max(farthest, squared);
-    }
-    size_ = std::sqrt(farthest);
-    if (!(size_ > 0)) {
-      return false;
-    }
+  void fill_design(const Columns& tangents) {
+    const Eigen::Index count = tangents.rows();
     design_.resize(count, num_unknowns());
-    std::fill_n(column(0), count, 1.0);
-    int next = 1 + dim();
+    double* const first = design_.data();
+    std::fill_n(first, count, 1.0);
+    double* both = first + (1 + dim()) * count;
+    const double unit = 1 / size_;
     for (int i = 0; i < dim(); ++i) {
-      double* own = column(1 + i);
+      double* own = first + (1 + i) * count;
+      const double* tangent = tangents.data() + i * count;
       for (Eigen::Index row = 0; row < count; ++row) {
-        own[row] = tangents(row, i) / size_;
+        own[row] = tangent[row] * unit;
       }
-      for (int j = 0; j <= i; ++j) {
-        const double* other = column(1 + j);
-        double* both = column(next++);
+      for (int j = 0; j <= i; ++j, both += count) {
+        const double* other = first + (1 + j) * count;
         for (Eigen::Index row = 0; row < count; ++row) {
           both[row] = own[row] * other[row];
         }
       }
     }
-    return true;
+  }
+
+  /// Of the columns with each other and with the normals, over some rows.
+  void add_products(const Columns& normals, Eigen::Index begin, Eigen::Index end) {
+    const int unknowns = num_unknowns();
+    const Eigen::Index count = end - begin;
+    for (int i = 0; i < unknowns; ++i) {
+      const double* own = column(i) + begin;
+      for (int j = 0; j <= i; ++j) {
+        gram_(i, j) += dot(own, column(j) + begin, count);
+      }
+      for (Eigen::Index axis = 0; axis < normals.cols(); ++axis) {
+        const double* normal = normals.data() + axis * normals.rows() + begin;
+        right_(i, axis) += dot(own, normal, count);
+      }
+    }
+  }
+
+  /// \param larger  the size that the columns are in units of, over that of these rows
+  /// \returns the root mean square distance of the first `count` rows
+  double solve(const Columns& normals, Eigen::Index count, double larger) {
+    const int unknowns = num_unknowns();
+    // In units of their own: whether the rows lie badly does not depend on others.
+    scaled_ = gram_;
+    solution_ = right_;
+    if (larger != 1) {
+      for (int i = 1; i < unknowns; ++i) {
+        const double factor = i <= dim() ? larger : larger * larger;
+        scaled_.row(i).head(i + 1) *= factor;
+        scaled_.col(i).tail(unknowns - i) *= factor;
+        solution_.row(i) *= factor;
+      }
+    }
+    factors_.compute(scaled_);
+    double least = kInfinity;
+    double largest = -kInfinity;
+    for (int i = 0; i < unknowns; ++i) {
+      least = std::min(least, factors_.pivot(i));
+      largest = std::max(largest, factors_.pivot(i));
+    }
+    if (!(least > kFlatDesign * largest)) {
+      return kNaN;
+    }
+    double rest = 0;
+    residual_.resize(count);
+    for (Eigen::Index axis = 0; axis < normals.cols(); ++axis) {
+      factors_.solve(solution_.col(axis));
+      for (int i = 1; i < unknowns; ++i) {
+        solution_(i, axis) *= i <= dim() ? larger : larger * larger;
+      }
+      const double* const normal = normals.data() + axis * normals.rows();
+      const double* const factors = solution_.data() + axis * unknowns;
+      const double* const terms = design_.data();
+      double* const residual = residual_.data();
+      for (Eigen::Index row = 0; row < count; ++row) {
+        double left = normal[row];
+        for (int i = 0; i < unknowns; ++i) {
+          left -= factors[i] * terms[i * design_.rows() + row];
+        }
+        residual[row] = left;
+      }
+      rest += dot(residual, residual, count);
+    }
+    return std::sqrt(rest / static_cast<double>(count - unknowns));
   }
 
   /// Of the products, of which the lower triangle is filled.
@@ -225,11 +272,15 @@ class Quadric {
   }
 
   int dim_;
-  double size_ = 0;
+  double size_ = 0;  // of all rows
+  double scatter_ = kNaN;
+  double wide_scatter_ = kNaN;
   Columns design_;
   typename Factors::Matrix gram_;
+  typename Factors::Matrix scaled_;
   Factors factors_;
-  Columns solution_;  // unknowns x r
+  Columns right_;     // unknowns x r
+  Columns solution_;  // likewise
   std::vector<double> residual_;
   Eigen::MatrixXd products_;
   detail::SymmetricEigen eigen_;
@@ -301,6 +352,9 @@ std::vector<std::uint8_t> rim_of(const SimplexArray& simplices,
         });
   };
   std::vector<std::uint8_t> on_open(stars.rows(), 0);
+  if (std::find(neighbors.begin(), neighbors.end(), kOpen) == neighbors.end()) {
+    return on_open;
+  }
   mark(on_open, 2, [&](Offset s, int i) { return neighbors[s * arity + i] == kOpen; });
   std::vector<std::uint8_t> rim = on_open;
   mark(rim, 1, [&](Offset s, int i) { return on_open[simplices[s][i]] == 2; });
@@ -324,51 +378,48 @@ class QualityKernel {
         tangents_given_(tangents),
         distances_(samples, neighborhoods),
         frame_fit_(dim),
-        quadric_(dim),
+        quadrics_(dim),
         seen_(samples.size(), -1) {}
 
   void measure(Index x, SamplingQuality& out) {
-    find_strange(x, out);
-    list_.assign(neighborhoods_.of(x), neighborhoods_.of(x) + wide_);
-    const auto wide = static_cast<Eigen::Index>(wide_);
-    places_.clear();
-    for (Offset i = result_.adjacent.offsets[x]; i < result_.adjacent.offsets[x + 1];
-         ++i) {
-      const Index v = result_.adjacent.indices[i];
-      const auto found = std::find(list_.begin(), list_.begin() + wide, v);
-      if (found == list_.begin() + wide) {
-        places_.push_back(static_cast<Offset>(list_.size()));
-        list_.push_back(v);
-      } else {
-        places_.push_back(found - list_.begin());
-      }
+    if (x + kAhead < samples_.size()) {
+      expect(x + kAhead);
     }
+    find_strange(x, out);
     out.scatter[x] = out.wide_scatter[x] = out.curvature[x] = out.reach[x] = kNaN;
     out.tangent_share[x] = 0;
-    if (narrow_ == 0 || !find_frame(x)) {
+    if (narrow_ == 0 || !(kFew ? load_few(x) : load_any(x))) {
       return;
     }
-    split_vectors();
-    out.scatter[x] = quadric_.fit(tangents_, normals_, narrow_);
-    out.wide_scatter[x] = quadric_.fit(tangents_, normals_, wide);
+    quadrics_.fit(tangents_, normals_, narrow_);
+    out.scatter[x] = quadrics_.scatter();
+    out.wide_scatter[x] = quadrics_.wide_scatter();
     if (!std::isnan(out.wide_scatter[x])) {
-      out.curvature[x] = quadric_.curvature();
+      out.curvature[x] = quadrics_.curvature();
     }
-    double inverse = 0;
-    for (Eigen::Index i = 0; i < wide; ++i) {
-      const double squared = squared_length(vectors_, i);
-      if (squared >= kNearest * kNearest * scales_[x] * scales_[x]) {
-        inverse =
-            std::max(inverse, 2 * std::sqrt(squared_length(normals_, i)) / squared);
+    // The largest of fractions, divided once.
+    double rise = 0;
+    double square = 1;
+    const double least = kNearest * kNearest * scales_[x] * scales_[x];
+    for (Eigen::Index i = 0; i < wide_; ++i) {
+      const double normal = squared_length(normals_, i);
+      if (squares_[i] >= least &&
+          normal * (square * square) > rise * (squares_[i] * squares_[i])) {
+        rise = normal;
+        square = squares_[i];
       }
     }
+    const double inverse = 2 * std::sqrt(rise) / square;
     // Rounding is not curvature.
     out.reach[x] = inverse * scales_[x] > kFlat ? 1 / inverse : kInfinity;
-    out.tangent_share[x] = share_of_star(x);
+    out.tangent_share[x] = kFew ? share_of_triangles(x) : share_of_star(x);
   }
 
  private:
   static constexpr double kFlat = 1e-7;
+  static constexpr Index kAhead = 8;  // samples whose tangent spaces are under way
+  /// Surfaces in space: vectors are looked up nowhere, and have one normal coordinate.
+  static constexpr bool kFew = K == 2 && D == 3;
   using Frame = typename detail::FrameFit<K, D>::Frame;
   using Square = Eigen::Matrix<double, K, K, 0, K == Eigen::Dynamic ? kMaxDim : K,
                                K == Eigen::Dynamic ? kMaxDim : K>;
@@ -381,6 +432,79 @@ class QualityKernel {
       sum += rows(i, axis) * rows(i, axis);
     }
     return sum;
+  }
+
+  /// The neighborhood in the frame, of a surface in space.
+  /// \returns false where there is no frame
+  bool load_few(Index x) {
+    const double* px = samples_.point(x);
+    if (tangents_given_ != nullptr) {
+      take_frame(x, 3);
+    } else {
+      frame_fit_.resize(narrow_, 3);
+      for (Index i = 0; i < narrow_; ++i) {
+        const double* pq = samples_.point(neighborhoods_.of(x)[i]);
+        for (int axis = 0; axis < 3; ++axis) {
+          frame_fit_.coordinate(i, axis) = pq[axis] - px[axis];
+        }
+      }
+      if (!frame_fit_.fit(true)) {
+        return false;
+      }
+      frame_ = frame_fit_.frame();
+    }
+    if (std::isnan(frame_(0, 0))) {
+      return false;
+    }
+    const double a[3] = {frame_(0, 0), frame_(0, 1), frame_(0, 2)};
+    const double b[3] = {frame_(1, 0), frame_(1, 1), frame_(1, 2)};
+    const double c[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
+                         a[0] * b[1] - a[1] * b[0]};
+    tangents_.resize(wide_, 2);
+    normals_.resize(wide_, 1);
+    squares_.resize(wide_);
+    double* const first = tangents_.data();
+    double* const second = first + wide_;
+    double* const normal = normals_.data();
+    for (Index i = 0; i < wide_; ++i) {
+      const double* pq = samples_.point(neighborhoods_.of(x)[i]);
+      const double v[3] = {pq[0] - px[0], pq[1] - px[1], pq[2] - px[2]};
+      first[i] = v[0] * a[0] + v[1] * a[1] + v[2] * a[2];
+      second[i] = v[0] * b[0] + v[1] * b[1] + v[2] * b[2];
+      normal[i] = v[0] * c[0] + v[1] * c[1] + v[2] * c[2];
+      squares_[i] = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+    }
+    return true;
+  }
+
+  /// The same with the vectors to adjacent samples behind it, in any dimension.
+  bool load_any(Index x) {
+    list_.assign(neighborhoods_.of(x), neighborhoods_.of(x) + wide_);
+    places_.clear();
+    for (Offset i = result_.adjacent.offsets[x]; i < result_.adjacent.offsets[x + 1];
+         ++i) {
+      const Index v = result_.adjacent.indices[i];
+      const auto found = std::find(list_.begin(), list_.begin() + wide_, v);
+      if (found == list_.begin() + wide_) {
+        places_.push_back(static_cast<Offset>(list_.size()));
+        list_.push_back(v);
+      } else {
+        places_.push_back(found - list_.begin());
+      }
+    }
+    if (!find_frame(x)) {
+      return false;
+    }
+    split_vectors();
+    squares_.resize(wide_);
+    for (Index i = 0; i < wide_; ++i) {
+      squares_[i] = squared_length(vectors_, i);
+    }
+    // Those of the neighborhood for the fits, all for the star.
+    all_tangents_.swap(tangents_);
+    tangents_ = all_tangents_.topRows(wide_);
+    normals_.conservativeResize(wide_, Eigen::NoChange);
+    return true;
   }
 
   /// What of the vectors is tangent, in the frame, and what is normal.
@@ -411,30 +535,36 @@ class QualityKernel {
     }
   }
 
+  /// Tangent spaces by input number lie all over memory.
+  void expect(Index x) const {
+#if defined(__GNUC__)
+    if (tangents_given_ != nullptr) {
+      const double* frame =
+          tangents_given_ + static_cast<std::size_t>(samples_.input_index(x)) * dim_ *
+                                samples_.ambient_dim();
+      __builtin_prefetch(frame);
+      __builtin_prefetch(frame + dim_ * samples_.ambient_dim() - 1);
+    }
+#endif
+  }
+
+  void take_frame(Index x, Eigen::Index ambient_dim) {
+    frame_ = Eigen::Map<const Frame>(
+        tangents_given_ +
+            static_cast<std::size_t>(samples_.input_index(x)) * dim_ * ambient_dim,
+        dim_, ambient_dim);
+  }
+
   bool find_frame(Index x) {
     const auto count = static_cast<Index>(list_.size());
-    if constexpr (D == Eigen::Dynamic) {
-      if (distances_.pay() && samples_.ambient_dim() > count) {
-        coordinates_.load(distances_, x, list_.data(), count);
-      } else {
-        coordinates_.load(samples_, x, list_.data(), count);
-      }
-      vectors_ = coordinates_.vectors();
+    if (distances_.pay() && samples_.ambient_dim() > count) {
+      coordinates_.load(distances_, x, list_.data(), count);
     } else {
-      vectors_.resize(count, D);
-      const double* px = samples_.point(x);
-      for (Index i = 0; i < count; ++i) {
-        const double* pq = samples_.point(list_[i]);
-        for (int axis = 0; axis < D; ++axis) {
-          vectors_(i, axis) = pq[axis] - px[axis];
-        }
-      }
+      coordinates_.load(samples_, x, list_.data(), count);
     }
+    vectors_ = coordinates_.vectors();
     if (tangents_given_ != nullptr) {
-      frame_ = Eigen::Map<const Frame>(
-          tangents_given_ + static_cast<std::size_t>(samples_.input_index(x)) * dim_ *
-                                vectors_.cols(),
-          dim_, vectors_.cols());
+      take_frame(x, vectors_.cols());
       return !std::isnan(frame_(0, 0));
     }
     frame_fit_.resize(narrow_, vectors_.cols());
@@ -527,14 +657,45 @@ class QualityKernel {
   bool within_two(Index x, Index q) const {
     const Csr& adjacent = result_.adjacent;
     const Index* a = adjacent.begin(x);
+    if (std::find(a, adjacent.end(x), q) != adjacent.end(x)) {
+      return true;
+    }
     const Index* b = adjacent.begin(q);
     while (a != adjacent.end(x) && b != adjacent.end(q)) {
-      if (*a == *b || *a == q) {
+      if (*a == *b) {
         return true;
       }
       (*a < *b ? a : b) += 1;
     }
-    return std::find(a, adjacent.end(x), q) != adjacent.end(x);
+    return false;
+  }
+
+  /// As share_of_star().
+  double share_of_triangles(Index x) const {
+    double flat = 0;
+    double whole = 0;
+    const double* px = samples_.point(x);
+    for (const Offset* s = result_.stars.begin(x); s != result_.stars.end(x); ++s) {
+      const Index* triangle = result_.simplices[*s];
+      const Index p = triangle[0] == x ? triangle[1] : triangle[0];
+      const Index q = triangle[2] == x ? triangle[1] : triangle[2];
+      double gram[3] = {};
+      double ends[2][2] = {};
+      for (int axis = 0; axis < 3; ++axis) {
+        const double to_p = samples_.point(p)[axis] - px[axis];
+        const double to_q = samples_.point(q)[axis] - px[axis];
+        gram[0] += to_p * to_p;
+        gram[1] += to_p * to_q;
+        gram[2] += to_q * to_q;
+        for (int k = 0; k < 2; ++k) {
+          ends[0][k] += to_p * frame_(k, axis);
+          ends[1][k] += to_q * frame_(k, axis);
+        }
+      }
+      flat += std::abs(ends[0][0] * ends[1][1] - ends[0][1] * ends[1][0]);
+      whole += std::sqrt(std::max(0.0, gram[0] * gram[2] - gram[1] * gram[1]));
+    }
+    return whole > 0 ? std::min(1.0, flat / whole) : 0.0;
   }
 
   /// Volume of the star on the tangent space over its own volume.
@@ -556,7 +717,7 @@ class QualityKernel {
         const Index* found = std::find(adjacent, result_.adjacent.end(x), simplex[i]);
         numbers_[row] = places_[found - adjacent];
         for (int k = 0; k < dim(); ++k) {
-          edges_(row, k) = tangents_(numbers_[row], k);
+          edges_(row, k) = all_tangents_(numbers_[row], k);
         }
         for (int other = 0; other <= row; ++other) {
           double product = 0;
@@ -585,11 +746,13 @@ class QualityKernel {
   detail::LocalCoordinates coordinates_;
   detail::FrameFit<K, D> frame_fit_;
   Frame frame_;
-  Quadric<K> quadric_;
-  std::vector<Index> list_;     // neighbors, then adjacent samples that are none
-  std::vector<Offset> places_;  // of the adjacent ones in it
+  Quadrics<K> quadrics_;
+  std::vector<Index> list_;      // neighbors, then adjacent samples that are none
+  std::vector<Offset> places_;   // of the adjacent ones in it
+  std::vector<double> squares_;  // of the vectors to the neighbors
   Columns vectors_;
-  Columns tangents_;
+  Columns tangents_;      // to the neighbors
+  Columns all_tangents_;  // to adjacent samples too
   Columns normals_;
   Square edges_;
   Square gram_;
@@ -642,21 +805,20 @@ std::vector<double> undisturbed_scales(const std::vector<double>& scales,
                                        const Neighborhoods& neighborhoods, Index wide,
                                        const Execution& execution) {
   std::vector<double> result(scales.size());
-  detail::for_each_block_uncounted(
-      static_cast<Offset>(scales.size()), kBlock, execution,
-      [&](Offset begin, Offset end) {
-        std::vector<double> near(wide + 1);
-        for (Offset i = begin; i < end; ++i) {
-          const auto x = static_cast<Index>(i);
-          near[0] = scales[x];
-          for (Index k = 0; k < wide; ++k) {
-            near[k + 1] = scales[neighborhoods.of(x)[k]];
-          }
-          const auto middle = near.begin() + static_cast<Offset>(near.size() / 2);
-          std::nth_element(near.begin(), middle, near.end());
-          result[x] = *middle;
-        }
-      });
+  detail::for_each_block_uncounted(static_cast<Offset>(scales.size()), kBlock,
+                                   execution, [&](Offset begin, Offset end) {
+                                     std::vector<double> near(wide + 1);
+                                     detail::FewSelector selector;
+                                     for (Offset i = begin; i < end; ++i) {
+                                       const auto x = static_cast<Index>(i);
+                                       near[0] = scales[x];
+                                       for (Index k = 0; k < wide; ++k) {
+                                         near[k + 1] = scales[neighborhoods.of(x)[k]];
+                                       }
+                                       result[x] =
+                                           selector.select(near, near.size() / 2);
+                                     }
+                                   });
   return result;
 }
 
@@ -768,7 +930,20 @@ void to_input(const std::vector<Index>& canonical, double factor,
   values = std::move(result);
 }
 
+std::vector<Index> numbers_of(const Samples& samples) {
+  std::vector<Index> numbers(samples.size());
+  for (Index i = 0; i < samples.size(); ++i) {
+    numbers[i] = samples.input_index(i);
+  }
+  return numbers;
+}
+
 }  // namespace
+
+ListedNeighbors list_neighbors(const Samples& samples, const NeighborSearch& search,
+                               Index count, const Execution& execution) {
+  return {find_neighborhoods(samples, search, count, execution), numbers_of(samples)};
+}
 
 SamplingQuality measure_quality(const Samples& samples, const NeighborSearch& search,
                                 const SimplexArray& simplices,
@@ -846,11 +1021,7 @@ SamplingQuality measure_quality(const Samples& samples, const NeighborSearch& se
   }
   to_input(canonical, 1.0, execution, out.rim);
   if (options.num_listed > 0) {
-    out.listed = std::move(neighborhoods);
-    out.listed_numbers.resize(n);
-    for (Index i = 0; i < n; ++i) {
-      out.listed_numbers[i] = samples.input_index(i);
-    }
+    out.listed = {std::move(neighborhoods), numbers_of(samples)};
   }
   return out;
 }

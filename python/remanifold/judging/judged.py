@@ -35,7 +35,7 @@ class JudgedReconstruction(ReconstructionData):
     def quality(self) -> Quality:
         """Whether and where the samples are dense enough for the result; computed once.
 
-        Takes about as long as the reconstruction.
+        Takes up to as long as the reconstruction.
         """
         return assess(self)
 

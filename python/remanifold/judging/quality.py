@@ -181,7 +181,9 @@ class Quality(ReadOnlyArrays):
 def assess(rec: ReconstructionData) -> Quality:
     """Measure the samples of a reconstruction and judge."""
     source = rec._source
-    measured, neighbors = _measure(source, rec)
+    own = _own(rec)
+    few = np.count_nonzero(own) <= FEW
+    measured, neighbors = _measure(source, rec, list_neighbors=bool(few))
     spacing, reach = measured["spacing"], measured["reach"]
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = spacing / reach
@@ -202,7 +204,8 @@ def assess(rec: ReconstructionData) -> Quality:
     )
     signs = sorted(signs_of(findings), key=lambda sign: not sign.strong)
     signs += outlier_signs(rec)
-    if signs or findings.num_samples <= FEW:
+    if signs or few:
+        neighbors = neighbors or _neighbors(source, rec)
         signs = [*singular_signs(findings, source, neighbors), *signs]
     if not any(sign.strong for sign in signs) and len(signs) < 2:
         signs = []
@@ -240,10 +243,16 @@ def assess(rec: ReconstructionData) -> Quality:
     )
 
 
+def _own(rec: ReconstructionData) -> NDArray[np.bool_]:
+    """Samples that were not left out, copies apart."""
+    own = np.asarray(rec.representatives == np.arange(rec.num_samples))
+    own[rec.left_out] = False
+    return own
+
+
 def _seen(rec: ReconstructionData) -> Findings:
     """What shows in the result, nothing being measured yet."""
-    own = rec.representatives == np.arange(rec.num_samples)
-    own[rec.left_out] = False
+    own = _own(rec)
     unknown = np.broadcast_to(np.nan, rec.num_samples)
     return Findings(
         rec=rec,
@@ -300,12 +309,51 @@ def _jets(rec: ReconstructionData) -> NDArray[np.float64] | None:
     return rec.tangents if usual and direct and rec.search != "approximate" else None
 
 
-def _measure(
-    samples: Input, rec: ReconstructionData
-) -> tuple[dict[str, NDArray[Any]], Neighbors]:
-    """By the core, as if there were no outliers; theirs is NaN, or nothing."""
+def _kept(rec: ReconstructionData) -> NDArray[np.bool_]:
     kept = np.ones(rec.num_samples, dtype=bool)
     kept[rec.left_out] = False
+    return kept
+
+
+def _search(samples: Input, rec: ReconstructionData) -> dict[str, Any]:
+    # What was smoothed had coordinates, but these are the samples as they were given.
+    return {
+        "search": rec.search if isinstance(samples, Points) else "auto",
+        "checks": _core.CHECKS,
+        "num_threads": 0,
+        "progress": None,
+    }
+
+
+def _neighbors(samples: Input, rec: ReconstructionData) -> Neighbors:
+    """Those that `_measure` lists, where it was not asked to."""
+    kept = _kept(rec)
+    if len(rec.left_out):
+        samples = samples.subset(kept)
+    return _listed(
+        _core.list_neighbors(
+            samples, neighbors_wanted(rec.dim), **_search(samples, rec)
+        ),
+        kept,
+    )
+
+
+def _listed(
+    listed: tuple[NDArray[np.int32], NDArray[np.int32]], kept: NDArray[np.bool_]
+) -> Neighbors:
+    numbers, near = listed
+    return Neighbors(np.flatnonzero(kept).astype(np.int32)[numbers], near)
+
+
+def _measure(
+    samples: Input, rec: ReconstructionData, *, list_neighbors: bool
+) -> tuple[dict[str, NDArray[Any]], Neighbors | None]:
+    """By the core, as if there were no outliers; theirs is NaN, or nothing.
+
+    With the neighbors of all samples if asked for: more than the measures need, but one
+    search finds both.
+    """
+    kept = _kept(rec)
     simplices = rec.simplices
     tangents = _jets(rec)
     if len(rec.left_out):
@@ -318,22 +366,17 @@ def _measure(
         simplices,
         tangents,
         num_neighbors=0,
-        num_listed=neighbors_wanted(rec.dim),
-        # What was smoothed had coordinates, but these are the samples as they were given.
-        search=rec.search if isinstance(samples, Points) else "auto",
-        checks=_core.CHECKS,
-        num_threads=0,
-        progress=None,
+        num_listed=neighbors_wanted(rec.dim) if list_neighbors else 0,
+        **_search(samples, rec),
     )
-    near, numbers = measured.pop("near"), measured.pop("numbers")
+    listed = measured.pop("numbers"), measured.pop("near")
     if len(rec.left_out):
-        numbers = np.flatnonzero(kept).astype(np.int32)[numbers]
         for name, values in measured.items():
             nothing = np.nan if values.dtype.kind == "f" else 0
             spread = np.full(rec.num_samples, nothing, dtype=values.dtype)
             spread[kept] = values
             measured[name] = spread
-    return measured, Neighbors(numbers, near)
+    return measured, _listed(listed, kept) if list_neighbors else None
 
 
 def _share(

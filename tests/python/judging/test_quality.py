@@ -17,6 +17,7 @@ from scipy.spatial.distance import cdist
 import remanifold as rm
 from remanifold import datasets
 from remanifold._base.samples import Distances, Gram, Points
+from remanifold.judging import quality as judging
 from remanifold.judging import signs
 
 BENCHMARKS = Path(__file__).resolve().parents[3] / "benchmarks"
@@ -690,3 +691,18 @@ def test_gaps_that_were_closed_as_asked_are_no_reason():
     assert "was closed" not in str(reconstruct(arc, 1, boundary=False).quality)
     asked = str(reconstruct(arc, 1, hole_radius=50.0).quality)
     assert "closed because hole_radius is 50" in asked
+
+
+def test_neighbors_that_are_found_later_show_the_same(monkeypatch):
+    # A stray sample, two spheres that meet in a circle, copies.
+    sphere = datasets.sphere(2000, random_state=0)
+    other = datasets.sphere(2000, random_state=1) + np.array([0.8, 0, 0])
+    points = np.concatenate([[[9.0, 9, 9]], sphere, other, sphere[:50]])
+    rec = reconstruct(points, 2)
+    assert len(rec.left_out) == 1
+    at_once = judging.assess(rec)
+    monkeypatch.setattr(judging, "FEW", 0)
+    later = judging.assess(rec)
+    assert "singular" in [reason.kind for reason in at_once.reasons]
+    assert str(later) == str(at_once)
+    assert later.doubtful.tobytes() == at_once.doubtful.tobytes()
