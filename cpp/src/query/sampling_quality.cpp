@@ -5,6 +5,7 @@
 #include "base/parallel.hpp"
 #include "base/parallel_csr.hpp"
 #include "base/per_thread.hpp"
+#include "base/prefetch.hpp"
 #include "base/select_few.hpp"
 #include "base/small_systems.hpp"
 #include "complex/simplex_rows.hpp"
@@ -537,15 +538,13 @@ class QualityKernel {
 
   /// Tangent spaces by input number lie all over memory.
   void expect(Index x) const {
-#if defined(__GNUC__)
     if (tangents_given_ != nullptr) {
       const double* frame =
           tangents_given_ + static_cast<std::size_t>(samples_.input_index(x)) * dim_ *
                                 samples_.ambient_dim();
-      __builtin_prefetch(frame);
-      __builtin_prefetch(frame + dim_ * samples_.ambient_dim() - 1);
+      detail::prefetch(frame);
+      detail::prefetch(frame + dim_ * samples_.ambient_dim() - 1);
     }
-#endif
   }
 
   void take_frame(Index x, Eigen::Index ambient_dim) {

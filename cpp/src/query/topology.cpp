@@ -8,12 +8,14 @@
 #include "base/sort_unique.hpp"
 #include "complex/simplex_rows.hpp"
 #include "query/collapse.hpp"
+#include "query/surface_walk.hpp"
 #include "remanifold/facets.hpp"
 
 #include <algorithm>
 #include <array>
 #include <iterator>
 #include <numeric>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <unordered_map>
@@ -614,21 +616,62 @@ Patches find_patches(const SimplexArray& simplices, const FacetGroups& facets,
   return patches;
 }
 
+/// Connected sets of open facets.
+Index count_sets(SimplexArray open, Index num_vertices) {
+  const auto count = static_cast<std::size_t>(open.size());
+  const Faces faces{std::move(open), std::vector<Index>(count, 1)};
+  return static_cast<Index>(
+      find_open_faces(faces, std::vector<std::uint8_t>(num_vertices, 0)).hole.size());
+}
+
 /// Connected sets of facets with one coface.
 Index count_boundaries(const SimplexArray& simplices, const FacetGroups& facets,
                        Index num_vertices) {
-  Faces open;
-  open.simplices.arity = simplices.arity - 1;
-  std::vector<Index> facet(open.simplices.arity);
+  SimplexArray open{simplices.arity - 1, {}};
+  std::vector<Index> facet(open.arity);
   for (Offset f = 0; f < facets.size(); ++f) {
     if (facets.cofaces(f) == 1) {
       copy_facet(simplices, facets.facets[facets.offsets[f]], facet.data());
-      detail::append_row(open.simplices, facet.data());
-      open.cofaces.push_back(1);
+      detail::append_row(open, facet.data());
     }
   }
-  return static_cast<Index>(
-      find_open_faces(open, std::vector<std::uint8_t>(num_vertices, 0)).hole.size());
+  return count_sets(std::move(open), num_vertices);
+}
+
+/// Of a surface that is a manifold: what most are, and done in half the time.
+template <class Number>
+std::optional<Topology> topology_of_surface(const SimplexArray& triangles,
+                                            Index num_vertices,
+                                            const Execution& execution) {
+  detail::begin_step(execution, Step::kTopology, num_vertices);
+  auto walk = detail::walk_surface<Number>(triangles, num_vertices, execution);
+  if (!walk) {
+    return std::nullopt;
+  }
+  execution.poll();
+  const OrientedPatches patches = orient_patches(walk->neighbors, 3, execution);
+  Topology result;
+  // All triangles at a vertex are of one patch.
+  result.components = static_cast<Index>(patches.sizes.size());
+  result.orientable = true;
+  for (std::size_t p = 0; p < patches.sizes.size(); ++p) {
+    const bool closed = patches.closed[p] != 0;
+    const bool orientable = patches.orientable[p] != 0;
+    result.closed_patches += closed ? 1 : 0;
+    result.closed_orientable_patches += closed && orientable ? 1 : 0;
+    result.orientable = result.orientable && orientable;
+  }
+  result.face_counts = {walk->num_vertices, walk->num_edges, triangles.size()};
+  result.euler_characteristic = euler_characteristic(result.face_counts);
+  const Offset num_open = walk->open_edges.size();
+  result.coface_counts = {0, num_open, walk->num_edges - num_open};
+  while (result.coface_counts.size() > 1 && result.coface_counts.back() == 0) {
+    result.coface_counts.pop_back();
+  }
+  result.pseudomanifold = true;
+  result.closed = triangles.size() > 0 && num_open == 0;
+  result.boundary_components = count_sets(std::move(walk->open_edges), num_vertices);
+  return result;
 }
 
 }  // namespace
@@ -675,6 +718,15 @@ Topology compute_topology(const SimplexArray& simplices, Index num_vertices,
                           const Execution& execution) {
   validate(simplices, num_vertices);
   const int dim = simplices.arity - 1;
+  if (dim == 2) {
+    std::optional<Topology> surface =
+        has_few_facets(simplices)
+            ? topology_of_surface<std::int32_t>(simplices, num_vertices, execution)
+            : topology_of_surface<FacetNumber>(simplices, num_vertices, execution);
+    if (surface) {
+      return std::move(*surface);
+    }
+  }
   detail::begin_step(execution, Step::kTopology, 0);
   Topology result;
   const FacetGroups facets = group_facets(simplices, num_vertices, execution);

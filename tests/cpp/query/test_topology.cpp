@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "complexes.hpp"
+#include "query/surface_walk.hpp"
+#include "remanifold/facets.hpp"
 #include "support.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <map>
+#include <numeric>
 #include <random>
 #include <set>
 #include <stdexcept>
@@ -52,6 +56,93 @@ TEST(Topology, MoebiusBand) {
   EXPECT_FALSE(t.orientable);
   EXPECT_TRUE(t.singular_vertices.empty());
   EXPECT_EQ(t.coface_counts, (std::vector<Offset>{0, 5, 5}));
+}
+
+/// A square grid with opposite sides joined, the second pair with a turn or without, its
+/// vertices numbered at random and some triangles left out.
+SimplexArray patchy_surface(Index size, bool turned, int left_out,
+                            std::mt19937& random) {
+  std::vector<Index> number(size * size);
+  std::iota(number.begin(), number.end(), 0);
+  std::shuffle(number.begin(), number.end(), random);
+  const auto at = [&](Index i, Index j) {
+    const Index row = j < size || !turned ? i % size : (2 * size - i) % size;
+    return number[row * size + j % size];
+  };
+  std::vector<std::array<Index, 3>> rows;
+  for (Index i = 0; i < size; ++i) {
+    for (Index j = 0; j < size; ++j) {
+      rows.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+      rows.push_back({at(i, j), at(i, j + 1), at(i + 1, j + 1)});
+    }
+  }
+  std::shuffle(rows.begin(), rows.end(), random);
+  rows.resize(rows.size() - left_out);
+  for (std::array<Index, 3>& row : rows) {
+    std::sort(row.begin(), row.end());
+  }
+  std::sort(rows.begin(), rows.end());
+  SimplexArray result{3, {}};
+  for (const std::array<Index, 3>& row : rows) {
+    result.vertices.insert(result.vertices.end(), row.begin(), row.end());
+  }
+  return result;
+}
+
+TEST(Topology, WalksAroundVerticesFindWhatSortedEdgesTell) {
+  std::mt19937 random(7);
+  int walked = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    const Index size = 8;
+    const SimplexArray surface =
+        patchy_surface(size, trial % 2 == 1, trial % 6, random);
+    const auto walk = detail::walk_surface<std::int32_t>(surface, size * size,
+                                                         Execution{1 + trial % 3});
+    const Topology found = compute_topology(surface, size * size);
+    EXPECT_EQ(walk.has_value(), found.singular_vertices.empty());
+    if (!walk) {
+      continue;
+    }
+    ++walked;
+    EXPECT_EQ(walk->neighbors, facet_neighbors<std::int32_t>(surface, size * size));
+    const Faces edges = faces_of(surface, 1);
+    std::vector<Offset> cofaces(3, 0);
+    for (const Index count : edges.cofaces) {
+      ++cofaces.at(count);
+    }
+    EXPECT_EQ(found.face_counts,
+              (std::vector<Offset>{faces_of(surface, 0).simplices.size(),
+                                   edges.simplices.size(), surface.size()}));
+    EXPECT_EQ(found.coface_counts, cofaces);
+    EXPECT_EQ(found.closed, cofaces[1] == 0);
+    EXPECT_EQ(found.components, connected_components(surface, size * size).count);
+    EXPECT_EQ(found.boundary_components,
+              static_cast<Index>(
+                  find_open_faces(edges, std::vector<std::uint8_t>(size * size, 0))
+                      .hole.size()));
+    const OrientedPatches patches = orient_patches(surface, size * size);
+    EXPECT_EQ(found.orientable,
+              patches.orientable == std::vector<std::uint8_t>(patches.sizes.size(), 1));
+  }
+  EXPECT_GE(walked, 20);
+}
+
+TEST(Topology, ApexOfManyTriangles) {
+  for (const Index around : {3, 30, 511, 512, 513, 900}) {
+    SimplexArray cones{3, {}};
+    for (Index i = 0; i < around; ++i) {
+      const Index j = (i + 1) % around;
+      for (const Index apex : {around, around + 1}) {
+        cones.vertices.insert(cones.vertices.end(),
+                              {std::min(i, j), std::max(i, j), apex});
+      }
+    }
+    const Topology t = compute_topology(cones, around + 2);
+    EXPECT_EQ(t.euler_characteristic, 2);
+    EXPECT_TRUE(t.closed);
+    EXPECT_TRUE(t.orientable);
+    EXPECT_TRUE(t.singular_vertices.empty());
+  }
 }
 
 /// By Euler characteristic, degrees and connectedness, as slowly as it can be said.
