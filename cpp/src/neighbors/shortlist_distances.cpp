@@ -22,7 +22,8 @@ constexpr Offset kDepth = 256;
 constexpr int kShareFrom = 256;
 
 using Sums = double __attribute__((vector_size(32)));
-using Loose = double __attribute__((vector_size(32), aligned(8), may_alias));
+// Not by using: Clang would not heed the alignment there.
+typedef double Loose __attribute__((vector_size(32), aligned(8), may_alias));
 
 template <int kPairs>
 REMANIFOLD_INLINE void add_some(const double* x, const double* rows,
