@@ -86,8 +86,8 @@ std::vector<std::int8_t> orient(const Samples& samples, const SimplexArray& simp
 /// Those of a fit, but no more than half of all samples: the others of a closed manifold are
 /// on its other side.
 Index few_neighbors(const Samples& samples, int dim) {
-  return std::min(jet_neighbors(dim),
-                  std::max<Index>(dim + 1, (samples.size() - 1) / 2));
+  return static_cast<Index>(std::min<Offset>(
+      jet_neighbors(dim), std::max<Offset>(dim + 1, (samples.whole_size() - 1) / 2)));
 }
 
 /// Where samples differ in no more than K coordinates: the determinant of the edges from the
@@ -246,6 +246,21 @@ void drop_strays(const Samples& samples, ManifoldReport& report,
   std::sort(outliers.begin(), outliers.end());
 }
 
+/// In the caller's numbering.
+PartReport part_report(const Samples& samples, PartReport part) {
+  part.sharp_folds = to_input(samples, std::move(part.sharp_folds));
+  part.stretched = to_input(samples, std::move(part.stretched));
+  for (auto* lists : {&part.opened, &part.unmended}) {
+    for (std::vector<Index>& list : *lists) {
+      list = to_input(samples, std::move(list));
+    }
+  }
+  for (Index v = 0; v < samples.size(); ++v) {
+    part.order.push_back(samples.input_index(v));
+  }
+  return part;
+}
+
 }  // namespace
 
 Reconstruction reconstruct(const Samples& given, const ReconstructOptions& options,
@@ -288,6 +303,17 @@ Reconstruction reconstruct(const Samples& given, const ReconstructOptions& optio
       }
     }
   }
+  if (manifold.open_region) {
+    std::vector<Index>& here = manifold.open_region->here;
+    const std::vector<Index> canonical = samples.canonical_indices();
+    for (Index& v : here) {
+      v = canonical.at(v);
+    }
+    std::sort(here.begin(), here.end());
+    for (double& value : manifold.open_region->elsewhere) {
+      value /= samples.scale();
+    }
+  }
   // Nobody asks what encloses the samples.
   std::vector<Index>().swap(steps.tangents.simplices);
   detail::begin_step(execution, Step::kComplex, 0);
@@ -308,6 +334,10 @@ Reconstruction reconstruct(const Samples& given, const ReconstructOptions& optio
   const std::size_t freed = neighborhoods.indices.size() * sizeof(Index);
   neighborhoods = {};
   fewer = {};
+  result.open_region = to_input(samples, std::move(complex.open_region));
+  if (samples.whole() != nullptr) {
+    result.part = part_report(samples, std::move(complex.part));
+  }
   const std::vector<std::int8_t> signs =
       orient(samples, complex.simplices, complex.patches);
   complex.patches = {};

@@ -160,10 +160,37 @@ py::dict paper(const Input& input, const ReconstructOptions& options, int num_th
   return out;
 }
 
+/// Samples here, and points elsewhere.
+using OpenElsewhere = std::pair<std::vector<Index>, InputArray<double>>;
+
+py::dict to_dict(PartReport&& part) {
+  py::dict out;
+  out["agreed_orientable"] = part.agreed_orientable;
+  out["sharp_folds"] = to_numpy(std::move(part.sharp_folds));
+  out["stretched"] = to_numpy(std::move(part.stretched));
+  for (const auto& [name, lists] :
+       {std::pair{"opened", &part.opened}, std::pair{"unmended", &part.unmended}}) {
+    py::list arrays;
+    for (std::vector<Index>& list : *lists) {
+      arrays.append(to_numpy(std::move(list)));
+    }
+    out[name] = arrays;
+  }
+  out["order"] = to_numpy(std::move(part.order));
+  return out;
+}
+
 py::dict manifold(const Input& input, const ReconstructOptions& given,
                   const py::object& solve, const py::object& on_other_dim,
-                  int num_threads, const py::object& progress) {
+                  const std::optional<GlobalStatistics>& whole,
+                  const std::optional<OpenElsewhere>& open_region, int num_threads,
+                  const py::object& progress) {
   ReconstructOptions options = given;
+  if (open_region) {
+    const auto& [here, points] = *open_region;
+    options.manifold.open_region =
+        OpenRegion{here, {points.data(), points.data() + points.size()}};
+  }
   if (!on_other_dim.is_none()) {
     options.on_other_dim = [function = on_other_dim.ptr()](int dim) {
       const py::gil_scoped_acquire acquire;
@@ -172,8 +199,8 @@ py::dict manifold(const Input& input, const ReconstructOptions& given,
     };
   }
   Reconstruction result = run(num_threads, progress, [&](const Execution& execution) {
-    return reconstruct(input.samples(execution), options,
-                       program_solver(solve, execution), execution);
+    return reconstruct(whole ? input.part(*whole, execution) : input.samples(execution),
+                       options, program_solver(solve, execution), execution);
   });
   const int dim = options.dim;
   py::dict out;
@@ -211,6 +238,10 @@ py::dict manifold(const Input& input, const ReconstructOptions& given,
   out["repair"] = repair;
   out["cleaning"] = to_dict(std::move(result.cleaning), input.columns());
   out["timings"] = timings(result.seconds);
+  if (whole) {
+    out["part"] = to_dict(std::move(result.part));
+    out["part"]["open_region"] = to_numpy(std::move(result.open_region));
+  }
   return out;
 }
 
@@ -236,7 +267,8 @@ void bind_reconstruct(py::module_& module) {
   module.def("clean", &clean_samples, arg("samples"), arg("options"), py::kw_only(),
              arg("num_threads"), arg("progress"));
   module.def("reconstruct", &manifold, arg("samples"), arg("options"), py::kw_only(),
-             arg("solve"), arg("on_other_dim"), arg("num_threads"), arg("progress"));
+             arg("solve"), arg("on_other_dim"), arg("whole") = py::none(),
+             arg("open_region") = py::none(), arg("num_threads"), arg("progress"));
   module.def("reconstruct_paper", &paper, arg("samples"), arg("options"), py::kw_only(),
              arg("num_threads"), arg("progress"));
 }

@@ -4,6 +4,7 @@
 namespace remanifold::python {
 void bind_chain(pybind11::module_& module);
 void bind_constants(pybind11::module_& module);
+void bind_parts(pybind11::module_& module);
 void bind_projection(pybind11::module_& module);
 void bind_quality(pybind11::module_& module);
 void bind_simplification(pybind11::module_& module);
@@ -19,6 +20,7 @@ PYBIND11_MODULE(_core, module) {
   remanifold::python::bind_constants(module);
   remanifold::python::bind_steps(module);
   remanifold::python::bind_chain(module);
+  remanifold::python::bind_parts(module);
   remanifold::python::bind_reconstruct(module);
   remanifold::python::bind_topology(module);
   remanifold::python::bind_quality(module);

@@ -100,6 +100,10 @@ class Input {
     }
     return Samples::from_points(view(), execution);
   }
+  /// Points that are a part of more.
+  Samples part(const GlobalStatistics& whole, const Execution& execution) const {
+    return Samples::from_part(view(), whole, execution);
+  }
 
  private:
   Kind kind_ = Kind::kPoints;

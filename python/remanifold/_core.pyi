@@ -144,9 +144,64 @@ def reconstruct(
     *,
     solve: _Solver | None,
     on_other_dim: Callable[[int], None] | None,
+    whole: GlobalStatistics | None = ...,
+    open_region: tuple[Sequence[int], NDArray[np.float64]] | None = ...,
     num_threads: int,
     progress: _Progress,
 ) -> dict[str, Any]: ...
+
+class GlobalStatistics:
+    def __init__(
+        self,
+        *,
+        low: Sequence[float],
+        high: Sequence[float],
+        size: int,
+        evenness: float = ...,
+        orientable: bool = ...,
+        opening_rounds: int = ...,
+    ) -> None: ...
+
+SPARSE_SCALE: float
+
+def part_order(
+    samples: _Samples, whole: GlobalStatistics, num_threads: int
+) -> tuple[NDArray[np.int32], NDArray[np.int32]]: ...
+def part_spacings(
+    samples: _Samples,
+    whole: GlobalStatistics,
+    dim: int,
+    distance: float,
+    num_threads: int,
+) -> dict[str, Any]: ...
+def noise_at(
+    samples: _Samples,
+    whole: GlobalStatistics,
+    dim: int,
+    probes: Sequence[int],
+    num_threads: int,
+) -> NDArray[np.float64]: ...
+def shows_noise(
+    samples: _Samples, whole: GlobalStatistics, dim: int, tests: Sequence[float]
+) -> bool: ...
+def outliers_at(
+    samples: _Samples,
+    whole: GlobalStatistics,
+    dim: int,
+    distance: float,
+    median: float,
+    apart: Sequence[int],
+    probes: Sequence[int],
+    num_threads: int,
+) -> tuple[NDArray[np.float64], NDArray[np.float64], float]: ...
+def outlier_probe_stride(size: int) -> int: ...
+def least_outlier_distance(distance: float, relative: Sequence[float]) -> float: ...
+def num_noise_probes(size: int) -> int: ...
+def noise_probe(i: int, size: int) -> int: ...
+def oriented_patches(
+    simplices: NDArray[np.int32], num_vertices: int, num_threads: int
+) -> tuple[NDArray[np.int32], NDArray[np.int8], NDArray[np.bool_]]: ...
+def evenness_of(tenth: float, dim: int) -> float: ...
 def reconstruct_paper(
     samples: _Samples, options: Options, *, num_threads: int, progress: _Progress
 ) -> dict[str, Any]: ...

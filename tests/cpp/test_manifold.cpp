@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <stdexcept>
 #include <vector>
 
@@ -17,6 +18,68 @@ ReconstructOptions options_of(int dim) {
   options.dim = dim;
   options.outlier_distance = 0;
   return options;
+}
+
+/// What is decided by all of them at once.
+GlobalStatistics statistics_of(const Cloud& cloud) {
+  GlobalStatistics whole;
+  whole.low.assign(cloud.dim, -1);
+  whole.high.assign(cloud.dim, 1);
+  for (Offset j = 0; j < cloud.dim; ++j) {
+    whole.low[j] = whole.high[j] = cloud[0][j];
+    for (Offset i = 1; i < cloud.size(); ++i) {
+      whole.low[j] = std::min(whole.low[j], cloud[i][j]);
+      whole.high[j] = std::max(whole.high[j], cloud[i][j]);
+    }
+  }
+  whole.size = cloud.size();
+  return whole;
+}
+
+// Away from where it was cut off.
+TEST(Reconstruct, PartHasTheSimplicesOfTheWhole) {
+  const Cloud cloud = testing::sphere(4000, 2, 7);
+  const GlobalStatistics whole = statistics_of(cloud);
+  std::vector<Index> numbers;
+  Cloud part{{}, cloud.dim};
+  for (Index i = 0; i < cloud.size(); ++i) {
+    if (cloud[i][0] > -0.2) {
+      numbers.push_back(i);
+      part.points.insert(part.points.end(), cloud[i], cloud[i] + cloud.dim);
+    }
+  }
+  const auto upper = [&](const SimplexArray& simplices, const std::vector<Index>& of) {
+    std::vector<std::vector<Index>> rows;
+    for (Offset s = 0; s < simplices.size(); ++s) {
+      std::vector<Index> row;
+      for (int i = 0; i < simplices.arity; ++i) {
+        row.push_back(of.empty() ? simplices[s][i] : of[simplices[s][i]]);
+      }
+      if (std::all_of(row.begin(), row.end(),
+                      [&](Index v) { return cloud[v][0] > 0.3; })) {
+        std::sort(row.begin(), row.end());
+        rows.push_back(row);
+      }
+    }
+    std::sort(rows.begin(), rows.end());
+    return rows;
+  };
+  const Reconstruction all =
+      reconstruct(Samples::from_points(cloud.view()), options_of(2));
+  const Reconstruction some =
+      reconstruct(Samples::from_part(part.view(), whole), options_of(2));
+  EXPECT_EQ(upper(some.simplices, numbers), upper(all.simplices, {}));
+  EXPECT_EQ(some.part.order.size(), numbers.size());
+  EXPECT_TRUE(some.part.agreed_orientable);
+}
+
+TEST(Reconstruct, PartBeyondTheWholeIsRefused) {
+  const Cloud cloud = testing::sphere(50, 2, 7);
+  GlobalStatistics whole = statistics_of(cloud);
+  whole.high[1] = 0.5;
+  EXPECT_THROW(Samples::from_part(cloud.view(), whole), std::invalid_argument);
+  whole.high.pop_back();
+  EXPECT_THROW(Samples::from_part(cloud.view(), whole), std::invalid_argument);
 }
 
 TEST(Reconstruct, ClosedSurfacesLookOutwards) {

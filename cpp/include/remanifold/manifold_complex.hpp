@@ -8,6 +8,7 @@
 #include "remanifold/constants.hpp"
 #include "remanifold/execution.hpp"
 #include "remanifold/facets.hpp"
+#include "remanifold/global_statistics.hpp"
 #include "remanifold/local_region.hpp"
 #include "remanifold/minimum_chain.hpp"
 #include "remanifold/neighborhoods.hpp"
@@ -17,9 +18,17 @@
 #include "remanifold/types.hpp"
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace remanifold {
+
+/// Samples around what stays open when all that is near was tried: what is tried last, the
+/// Delaunay triangulation of these, depends on all of them.
+struct OpenRegion {
+  std::vector<Index> here;        ///< ascending
+  std::vector<double> elsewhere;  ///< of a part: coordinates of the others of the whole
+};
 
 enum class BoundaryRule {
   kAuto,   ///< open where a hole is wider than hole_radius
@@ -56,6 +65,8 @@ struct ManifoldOptions {
   /// Whether there was clutter around the samples: spikes are what is left of it then.
   bool among_clutter = false;
   ChainOptions chain;
+  /// Of a part: what is known of the whole.
+  std::optional<OpenRegion> open_region;
 };
 
 struct ManifoldReport {
@@ -85,6 +96,8 @@ struct ManifoldComplex {
   SimplexArray simplices;   ///< columns ascending, rows sorted
   OrientedPatches patches;  ///< of the simplices
   ManifoldReport report;
+  std::vector<Index> open_region;  ///< as it was found here
+  PartReport part;  ///< only where the samples are a part; without the order
 };
 
 /// All in canonical numbering. Without a solver only what the search can do is done.

@@ -51,6 +51,8 @@ struct ChainOptions {
   /// Candidates around a facet that was left open which are chosen from again without
   /// orientation, in cavities that are one program; 0: that is not tried.
   Index refill = 100;
+  /// False where the fixed simplices are a part of a whole that has no orientation.
+  bool orientable = true;
 };
 
 struct ChainFill {

@@ -40,4 +40,33 @@ Outliers find_outliers(const Samples& samples, const NeighborSearch& search,
                        const Neighborhoods& neighborhoods,
                        const OutlierOptions& options, const Execution& execution = {});
 
+/// Samples that stand for all others: every so many of them, in their order.
+Offset outlier_probe_stride(Offset size);
+/// Distance, in the units of OutlierOptions, that an outlier has at least.
+/// \param relative  of all that stand for the others, as from outlier_evidence()
+double least_outlier_distance(double distance, std::vector<double> relative);
+
+/// Of a part: what find_outliers() would ask at first about some of its samples.
+struct OutlierQuestions {
+  std::vector<Index> apart;   ///< samples far from others
+  std::vector<Index> probes;  ///< samples that stand for all
+  double median_scale = 0;    ///< of all
+};
+struct OutlierEvidence {
+  std::vector<double> away;  ///< of those that are outliers if farther than the least
+  std::vector<double> relative;  ///< of each probe
+  double reach =
+      0;  ///< within which all samples have to be here; infinite along curves
+};
+OutlierEvidence outlier_evidence(const Samples& samples, const NeighborSearch& search,
+                                 const Neighborhoods& neighborhoods,
+                                 const OutlierOptions& options,
+                                 const OutlierQuestions& asked,
+                                 const Execution& execution = {});
+
+/// Neighbors that say how far off a sample is, among so many samples; and how many times the
+/// median scale is sparse, where samples may be outliers that have only each other.
+Index outlier_votes(int dim, Offset size);
+constexpr double kSparseScale = 3;
+
 }  // namespace remanifold

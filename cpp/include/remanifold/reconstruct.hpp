@@ -72,6 +72,8 @@ struct Reconstruction {
   double recall = 1.0;
   Cleaning cleaning;
   StepSeconds seconds;
+  std::vector<Index> open_region;  ///< as OpenRegion::here, found here
+  PartReport part;                 ///< only where the samples are a part of more
 };
 
 /// The chain of least energy through what the stars agree on.

@@ -8,6 +8,7 @@
 #include "remanifold/curve_repair.hpp"
 #include "remanifold/execution.hpp"
 #include "remanifold/facets.hpp"
+#include "remanifold/global_statistics.hpp"
 #include "remanifold/input_numbering.hpp"
 #include "remanifold/intrinsic_delaunay.hpp"
 #include "remanifold/link_repair.hpp"

@@ -10,6 +10,7 @@
 #pragma once
 
 #include "remanifold/execution.hpp"
+#include "remanifold/global_statistics.hpp"
 #include "remanifold/types.hpp"
 
 #include <memory>
@@ -24,6 +25,12 @@ class Samples {
   /// Points of R^D, one a row. Copies them.
   /// \throws std::invalid_argument  empty, or a coordinate that is not finite
   static Samples from_points(MatrixView points, const Execution& execution = {});
+  /// The same where the points are a part of more: coordinates, order and coincidence are
+  /// those that they have among all.
+  /// \param points  in the order of their numbers among all
+  /// \throws std::invalid_argument  the same, or a point beyond the extents of all
+  static Samples from_part(MatrixView points, GlobalStatistics whole,
+                           const Execution& execution = {});
   /// Symmetric positive semidefinite matrix of inner products; not copied, it must
   /// outlive the samples. Definiteness is not tested here, it costs O(N^3).
   static Samples from_gram(MatrixView gram, const Execution& execution = {});
@@ -44,6 +51,10 @@ class Samples {
 
   Index size() const { return static_cast<Index>(input_index_.size()); }
   Index input_size() const { return static_cast<Index>(representatives_.size()); }
+  /// Of the whole that these are a part of; null where they are all.
+  const GlobalStatistics* whole() const { return whole_.get(); }
+  /// size(), or that of the whole.
+  Offset whole_size() const { return whole_ ? whole_->size : size(); }
   /// True where coordinates are known.
   bool has_points() const { return kind_ == Kind::kPoints; }
   /// D, or 0 where only products are known.
@@ -75,9 +86,13 @@ class Samples {
 
  private:
   enum class Kind { kPoints, kGram, kDistances };
+  static Samples from_points(MatrixView points,
+                             std::shared_ptr<const GlobalStatistics> whole,
+                             const Execution& execution);
   static Samples from_matrix(MatrixView matrix, Kind kind, const Execution& execution);
 
   Kind kind_ = Kind::kPoints;
+  std::shared_ptr<const GlobalStatistics> whole_;  // or null
   int ambient_dim_ = 0;
   std::vector<int> varying_axes_;
   double scale_ = 1.0;

@@ -24,6 +24,14 @@ double evenness(const Samples& samples, const Neighborhoods& neighborhoods,
                 const std::vector<double>& scales, int dim,
                 const Execution& execution = {});
 
+/// The nearest-neighbor distance of each sample over h, and the evenness that follows from
+/// their N / 10-th, counted from 0.
+std::vector<double> nearest_over_scale(const Samples& samples,
+                                       const Neighborhoods& neighborhoods,
+                                       const std::vector<double>& scales,
+                                       const Execution& execution = {});
+double evenness_of(double tenth, int dim);
+
 struct SimplexMeasures {
   double volume = 0;
   double circumradius = 0;   ///< infinite where the simplex is flat

@@ -63,6 +63,22 @@ struct Smoothing {
   double growth = 1;
 };
 
+/// How many samples smooth() first looks at among so many, and which one of all in their
+/// order is the i-th.
+Offset num_noise_probes(Offset size);
+Offset noise_probe(Offset i, Offset size);
+
+/// What that look finds at some samples of a part, of each so many times so many values; and
+/// whether those of all probes, in their order, show noise or more dimensions than K: if
+/// not, smooth() moves nothing with only_noise.
+constexpr int kNoiseTests = 3;
+constexpr int kNoiseValues = 11;
+std::vector<double> test_noise_at(const Samples& samples, const NeighborSearch& search,
+                                  int dim, const std::vector<Index>& probes,
+                                  const Execution& execution = {});
+/// \param samples  any part of the whole
+bool shows_noise(const Samples& samples, int dim, const std::vector<double>& tests);
+
 /// Points only.
 /// \throws std::invalid_argument  K < 1 or > D, fewer neighbors than K + 1, no points
 Smoothing smooth(const Samples& samples, const NeighborSearch& search,

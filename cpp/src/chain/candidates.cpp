@@ -46,17 +46,30 @@ void append_faces(const std::vector<std::array<Index, Arity>>& cells, int dim,
   }
 }
 
-void delaunay_2(const Samples& samples, const std::vector<Index>& vertices, int dim,
-                SimplexArray& out) {
+/// Calls with the coordinates of each sample and its number, of those that are not here one
+/// that no sample has.
+template <class Function>
+void for_each_point(const Samples& samples, const std::vector<Index>& vertices,
+                    const std::vector<double>& elsewhere, Function&& function) {
+  for (const Index v : vertices) {
+    function(samples.point(v), v);
+  }
+  const auto dim = static_cast<std::size_t>(samples.ambient_dim());
+  for (std::size_t i = 0; i < elsewhere.size(); i += dim) {
+    function(elsewhere.data() + i, samples.size());
+  }
+}
+
+void delaunay_2(const Samples& samples, const std::vector<Index>& vertices,
+                const std::vector<double>& elsewhere, int dim, SimplexArray& out) {
   using Vertex = CGAL::Triangulation_vertex_base_with_info_2<Index, Kernel>;
   using Structure = CGAL::Triangulation_data_structure_2<Vertex>;
   using Triangulation = CGAL::Delaunay_triangulation_2<Kernel, Structure>;
   const std::vector<int>& axes = samples.varying_axes();
   std::vector<std::pair<Kernel::Point_2, Index>> points;
-  for (const Index v : vertices) {
-    const double* p = samples.point(v);
+  for_each_point(samples, vertices, elsewhere, [&](const double* p, Index v) {
     points.emplace_back(Kernel::Point_2(p[axes[0]], p[axes[1]]), v);
-  }
+  });
   const Triangulation triangulation(points.begin(), points.end());
   std::vector<std::array<Index, 3>> cells;
   for (auto f = triangulation.finite_faces_begin();
@@ -75,18 +88,17 @@ void delaunay_2(const Samples& samples, const std::vector<Index>& vertices, int 
   }
 }
 
-void delaunay_3(const Samples& samples, const std::vector<Index>& vertices, int dim,
-                SimplexArray& out) {
+void delaunay_3(const Samples& samples, const std::vector<Index>& vertices,
+                const std::vector<double>& elsewhere, int dim, SimplexArray& out) {
   using Vertex = CGAL::Triangulation_vertex_base_with_info_3<Index, Kernel>;
   using Cell = CGAL::Delaunay_triangulation_cell_base_3<Kernel>;
   using Structure = CGAL::Triangulation_data_structure_3<Vertex, Cell>;
   using Triangulation = CGAL::Delaunay_triangulation_3<Kernel, Structure>;
   const std::vector<int>& axes = samples.varying_axes();
   std::vector<std::pair<Kernel::Point_3, Index>> points;
-  for (const Index v : vertices) {
-    const double* p = samples.point(v);
+  for_each_point(samples, vertices, elsewhere, [&](const double* p, Index v) {
     points.emplace_back(Kernel::Point_3(p[axes[0]], p[axes[1]], p[axes[2]]), v);
-  }
+  });
   const Triangulation triangulation(points.begin(), points.end());
   if (triangulation.dimension() == 3) {
     std::vector<std::array<Index, 4>> cells;
@@ -186,12 +198,20 @@ SimplexArray cliques_of(const std::vector<Index>& pairs, int dim, std::size_t ma
 }
 
 SimplexArray delaunay_faces(const Samples& samples, const std::vector<Index>& vertices,
-                            int dim) {
+                            const std::vector<double>& elsewhere, int dim) {
   SimplexArray faces{dim + 1, {}};
   if (samples.varying_axes().size() == 2) {
-    delaunay_2(samples, vertices, dim, faces);
+    delaunay_2(samples, vertices, elsewhere, dim, faces);
   } else if (samples.varying_axes().size() == 3) {
-    delaunay_3(samples, vertices, dim, faces);
+    delaunay_3(samples, vertices, elsewhere, dim, faces);
+  }
+  if (!elsewhere.empty()) {
+    std::vector<std::uint8_t> dropped(faces.size(), 0);
+    for (Offset f = 0; f < faces.size(); ++f) {
+      dropped[f] =
+          *std::max_element(faces[f], faces[f] + faces.arity) < samples.size() ? 0 : 1;
+    }
+    erase_rows(faces, dropped);
   }
   return sorted_unique(faces);
 }

@@ -27,7 +27,9 @@ SimplexArray cliques_of(const std::vector<Index>& pairs, int dim, std::size_t ma
                         const Execution& execution);
 
 /// K-faces of the Delaunay triangulation of some samples, D <= 3. Points only.
+/// \param elsewhere  coordinates of samples of the whole that are not here: faces among them
+///                   are left out
 SimplexArray delaunay_faces(const Samples& samples, const std::vector<Index>& vertices,
-                            int dim);
+                            const std::vector<double>& elsewhere, int dim);
 
 }  // namespace remanifold::detail

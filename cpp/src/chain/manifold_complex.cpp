@@ -70,6 +70,9 @@ class ManifoldBuilder {
         scales_(local_scales(samples, neighborhoods, regions_.dim, execution)),
         ruler_(samples, scales_),
         price_([this](const Index* facet) { return price_of(facet); }) {
+    if (samples.whole() != nullptr) {
+      options_.chain.orientable = samples.whole()->orientable;
+    }
     const std::vector<std::uint8_t>& marked = options_.boundary_samples;
     if (options_.boundary == BoundaryRule::kGiven &&
         std::find(marked.begin(), marked.end(), 1) == marked.end()) {
@@ -109,6 +112,9 @@ class ManifoldBuilder {
     options_.chain.refill = refill;
     options_.chain.search_oriented = true;
     for (int widening = 0; widening < 2 && !open_region_.empty(); ++widening) {
+      if (widening == 1) {
+        result_.open_region = open_region_;
+      }
       widen(widening);
       fill(widening == 1);
     }
@@ -190,6 +196,9 @@ class ManifoldBuilder {
     stretch_ = detail::stretch_of_scales(stars, radii, samples_.size(), execution_);
     for (std::size_t x = 0; x < stretch_.size(); ++x) {
       scales_[x] *= stretch_[x];
+      if (stretch_[x] != 1 && is_part()) {
+        result_.part.stretched.push_back(static_cast<Index>(x));
+      }
     }
     return !stretch_.empty();
   }
@@ -215,11 +224,16 @@ class ManifoldBuilder {
               : *std::max_element(patches.sizes.begin(), patches.sizes.end());
       for (Offset s = 0; s < fixed_.size(); ++s) {
         const Offset size = patches.sizes[patches.patch[s]];
-        if (size < options_.smallest_patch && size < largest) {
+        if (size < options_.smallest_patch && (is_part() || size < largest)) {
           freed[s] = 1;
         }
       }
-      if (std::count(patches.orientable.begin(), patches.orientable.end(), 0) > 0) {
+      const bool twisted =
+          std::count(patches.orientable.begin(), patches.orientable.end(), 0) > 0;
+      if (is_part()) {
+        result_.part.agreed_orientable = !twisted;
+        list_sharp_folds(neighbors);
+      } else if (twisted) {
         free_twisted_folds(neighbors, freed);
       }
     }
@@ -241,6 +255,28 @@ class ManifoldBuilder {
     }
     detail::erase_rows(fixed_, freed);
     num_agreed_ = fixed_.size();
+  }
+
+  /// Those of a whole without orientation, whose loops a part does not see.
+  template <class Number>
+  void list_sharp_folds(const std::vector<Number>& neighbors) {
+    if (samples_.whole()->orientable) {
+      return;
+    }
+    std::vector<Index> facet(dim_);
+    std::vector<Index>& listed = result_.part.sharp_folds;
+    for (std::size_t i = 0; i < neighbors.size(); ++i) {
+      const auto a = static_cast<FacetNumber>(i);
+      const FacetNumber b = neighbors[i];
+      if (b > a) {
+        copy_facet(fixed_, a, facet.data());
+        if (ruler_.fold(facet.data(), dim_, fixed_[a / arity_][a % arity_],
+                        fixed_[b / arity_][b % arity_]) > kSharpFold) {
+          listed.insert(listed.end(), facet.begin(), facet.end());
+        }
+      }
+    }
+    detail::sort_unique(listed);
   }
 
   /// Where a patch has no orientation because of a sharp fold, its simplices there are not
@@ -462,7 +498,10 @@ class ManifoldBuilder {
     SimplexArray more{arity_, {}};
     const std::size_t axes = samples_.varying_axes().size();
     if (step == 1 && (axes == 2 || axes == 3)) {
-      more = detail::delaunay_faces(samples_, open_region_, dim_);
+      const bool known = options_.open_region.has_value();
+      more = detail::delaunay_faces(
+          samples_, known ? options_.open_region->here : open_region_,
+          known ? options_.open_region->elsewhere : std::vector<double>{}, dim_);
     } else {
       const std::size_t most = kCliquesPerSample * open_region_.size();
       std::vector<Index> pairs;
@@ -499,7 +538,12 @@ class ManifoldBuilder {
       mend();
     }
     for (int round = 0; round < kOpeningRounds; ++round) {
-      if (!open_by_evidence()) {
+      if (is_part()) {
+        list_unmended();
+      }
+      const bool found = open_by_evidence(round);
+      const int rounds = is_part() ? samples_.whole()->opening_rounds : -1;
+      if (!(rounds < 0 ? found : round < rounds)) {
         break;
       }
       mend();
@@ -514,6 +558,15 @@ class ManifoldBuilder {
     list_unpaired();
     orient_result();
   }
+
+  /// Where mend() would change something once more: at broken links next to what it has put
+  /// back itself.
+  void list_unmended() {
+    result_.part.unmended.push_back(
+        singular_vertices(result_.simplices, next_to(changed_), execution_));
+  }
+
+  bool is_part() const { return samples_.whole() != nullptr; }
 
   /// Samples that are not unsettled have whole stars.
   void list_unpaired() {
@@ -592,13 +645,25 @@ class ManifoldBuilder {
   /// Takes out what bridges openings that chance does not explain; where another rule
   /// decides they are only listed.
   /// \returns whether there are any
-  bool open_by_evidence() {
+  bool open_by_evidence(int round) {
     detail::WeighedOpenings found = detail::weigh_openings(
         samples_, neighborhoods_, scales_, stretch_, result_.simplices,
         {by_evidence_ ? options_.significance : 0, kMostExpected, options_.decisions},
         execution_);
     list_openings(std::move(found.openings));
     keep_certain(found.bridges);
+    if (is_part()) {
+      std::vector<Index>& opened = result_.part.opened.emplace_back();
+      for (const Offset s : found.bridges) {
+        opened.insert(opened.end(), result_.simplices[s],
+                      result_.simplices[s] + arity_);
+      }
+      detail::sort_unique(opened);
+      const int rounds = samples_.whole()->opening_rounds;
+      if (rounds >= 0 && round >= rounds) {
+        return false;  // nothing more is opened in the whole
+      }
+    }
     if (found.bridges.empty()) {
       return false;
     }

@@ -109,7 +109,7 @@ class ChainSolver {
   void solve_all() {
     std::optional<detail::RimOrientation> orientation;
     if (fixed_.arity > 2 && cavities_.orientations.empty()) {
-      orientation.emplace(fixed_, num_vertices_, execution_);
+      orientation.emplace(fixed_, num_vertices_, options_.orientable, execution_);
     }
     std::optional<detail::CavityWindows> windows;
     std::optional<detail::CavityRefill> refill;

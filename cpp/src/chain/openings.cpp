@@ -108,6 +108,7 @@ class OpeningFinder {
         ruler_(samples, scales),
         arity_(simplices.arity),
         dim_(simplices.arity - 1),
+        num_samples_(static_cast<double>(samples.whole_size())),
         chance_(kChances[dim_ - 1]) {}
 
   WeighedOpenings run() {
@@ -285,7 +286,7 @@ class OpeningFinder {
   }
 
   double expected(double weight) const {
-    return samples_.size() * chance_.rate * std::exp(-chance_.decay * weight);
+    return num_samples_ * chance_.rate * std::exp(-chance_.decay * weight);
   }
 
   void make_stars() {
@@ -503,7 +504,7 @@ class OpeningFinder {
       sum += term;
       term *= content / (i + 1);
     }
-    return samples_.size() * chance_.simplices_per_sample * std::exp(-content) * sum;
+    return num_samples_ * chance_.simplices_per_sample * std::exp(-content) * sum;
   }
 
   double expected_balls(double radius, const Ring& ring) const {
@@ -559,7 +560,7 @@ class OpeningFinder {
                           std::pow(opening.spacing, dim_ - 1);
       decide(opening,
              opening.significance() <= levels_.significance ||
-                 std::exp(ways) * opening.expected <= samples_.size() * chance_.rate);
+                 std::exp(ways) * opening.expected <= num_samples_ * chance_.rate);
       if (opening.open) {
         core.insert(core.end(), part.begin(), part.end());
       } else if (opening.expected <= levels_.most_expected) {
@@ -820,6 +821,7 @@ class OpeningFinder {
   SimplexRuler ruler_;
   int arity_;
   int dim_;
+  double num_samples_;  // of the whole
   const Chance& chance_;
   static constexpr std::uint8_t kCandidate = 2;
   std::vector<std::uint8_t> large_;            // simplices; 0, 1 or kCandidate

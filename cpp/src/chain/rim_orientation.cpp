@@ -11,10 +11,14 @@
 namespace remanifold::detail {
 
 RimOrientation::RimOrientation(const SimplexArray& fixed, Index num_vertices,
-                               const Execution& execution)
+                               bool orientable, const Execution& execution)
     : arity_(fixed.arity),
       neighbors_(facet_neighbors(fixed, num_vertices, execution)),
-      patches_(orient_patches(neighbors_, arity_)) {}
+      patches_(orient_patches(neighbors_, arity_)) {
+  if (!orientable) {
+    std::fill(patches_.orientable.begin(), patches_.orientable.end(), 0);
+  }
+}
 
 void RimOrientation::append(const FacetNumber* neighbors) {
   const auto first = static_cast<FacetNumber>(neighbors_.size());

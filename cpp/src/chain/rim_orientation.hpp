@@ -14,7 +14,9 @@ namespace remanifold::detail {
 
 class RimOrientation {
  public:
-  RimOrientation(const SimplexArray& fixed, Index num_vertices,
+  /// \param orientable  false where the fixed simplices are a part of a whole that has no
+  ///                    orientation: no patch is believed to have one
+  RimOrientation(const SimplexArray& fixed, Index num_vertices, bool orientable,
                  const Execution& execution);
 
   /// Of some facets of fixed simplices: the sign of the simplex, and a group within which

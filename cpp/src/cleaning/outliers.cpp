@@ -35,7 +35,7 @@ constexpr double kNoiseFactor = 8;
 /// many times the median scale, and no quadrics agree on where they are: on average over
 /// the neighbors, distances in units of the local scale reach this, and this many times
 /// that of all samples.
-constexpr double kSparse = 3;
+constexpr double kSparse = kSparseScale;
 constexpr double kScattered = 0.25;
 constexpr double kScatteredFactor = 2;
 /// Of those that are left when most have gone, on average over all that are next to each
@@ -89,10 +89,7 @@ class OutlierFinder {
         options_(options),
         execution_(execution),
         near_count_(outlier_scale_neighbors(options.dim)),
-        vote_count_(
-            std::min(samples.size() / 2,
-                     std::max<Index>(3 * detail::QuadraticFit::unknowns(options.dim),
-                                     kFewestVotes))),
+        vote_count_(outlier_votes(options.dim, samples.whole_size())),
         out_(samples.size(), kIn),
         known_(samples.size()),
         known_in_(samples.size(), kNever),
@@ -131,6 +128,36 @@ class OutlierFinder {
     }
     std::sort(outliers.begin(), outliers.end());
     result.are_clutter = are_clutter(outliers);
+    return result;
+  }
+
+  /// What the first round of run() asks about some samples, whatever is found elsewhere.
+  OutlierEvidence evidence(const OutlierQuestions& asked) {
+    OutlierEvidence result;
+    measure_all();
+    median_scale_ = asked.median_scale;
+    Scratch scratch;
+    std::vector<Unit> units;
+    for (const Index x : asked.apart) {
+      const double local = median_around(x, vote_count_, scales_, scratch);
+      units.push_back({local, std::min(local, kMedianScales * median_scale_)});
+    }
+    std::vector<Index> apart = asked.apart;
+    keep_beside_curves(apart, units);
+    const std::vector<double> values = distances(apart);
+    for (std::size_t i = 0; i < apart.size(); ++i) {
+      const double away = std::min(values[i], apart_[apart[i]]);
+      if (away > kLocalScales * units[i].local) {
+        result.away.push_back(away / units[i].capped);
+      }
+    }
+    std::vector<double> own;
+    probe(asked.probes, scratch, result.relative, own);
+    for (const std::vector<Index>* some : {&asked.apart, &asked.probes}) {
+      for (const Index x : *some) {
+        result.reach = std::max(result.reach, reach_of(x, scratch));
+      }
+    }
     return result;
   }
 
@@ -358,23 +385,15 @@ class OutlierFinder {
       return found;
     }
     std::vector<Index> probes;
-    const Index stride = std::max<Index>(1, as_index(alive_) / kProbes);
+    const auto stride =
+        static_cast<Index>(outlier_probe_stride(static_cast<Offset>(alive_.size())));
     for (Index i = 0; i < as_index(alive_); i += stride) {
       probes.push_back(alive_[i]);
     }
-    const std::vector<double> typical = distances(probes);
-    std::vector<double> relative(probes.size());
-    std::vector<double> own(probes.size());
-    for (std::size_t i = 0; i < probes.size(); ++i) {
-      const double scale = scales_[probes[i]];
-      own[i] = std::min(1.0, typical[i] / scale);
-      const double across = scale_across(probes[i], scratch);
-      relative[i] =
-          typical[i] /
-          (across > scale ? across : std::min(scale, kMedianScales * median_scale_));
-    }
-    const double least =
-        std::max(options_.distance, kNoiseFactor * quantile(relative, kNoiseQuantile));
+    std::vector<double> relative;
+    std::vector<double> own;
+    probe(probes, scratch, relative, own);
+    const double least = least_outlier_distance(options_.distance, std::move(relative));
 
     const std::vector<double> values = distances(apart);
     for (std::size_t i = 0; i < apart.size(); ++i) {
@@ -430,6 +449,37 @@ class OutlierFinder {
       }
     }
     return far >= kFewestFar && far * kFarShare >= looked_at;
+  }
+
+  /// Within which evidence() depends on others; infinite where samples lie along curves.
+  double reach_of(Index x, Scratch& scratch) {
+    nearest(x, vote_count_, scratch);
+    std::vector<Index> voters = scratch.near;
+    const double to_voters = distance(x, voters.back());
+    voters.push_back(x);
+    double from_voters = 0;
+    for (const Index y : voters) {
+      if (scale_across(y, scratch) > scales_[y]) {
+        return std::numeric_limits<double>::infinity();
+      }
+      nearest(y, vote_count_, scratch);
+      from_voters = std::max(from_voters, distance(y, scratch.near.back()));
+    }
+    return to_voters + 2 * from_voters;
+  }
+
+  /// Normal distances of samples that stand for all, in two units.
+  void probe(const std::vector<Index>& probes, Scratch& scratch,
+             std::vector<double>& relative, std::vector<double>& own) {
+    const std::vector<double> typical = distances(probes);
+    for (std::size_t i = 0; i < probes.size(); ++i) {
+      const double scale = scales_[probes[i]];
+      own.push_back(std::min(1.0, typical[i] / scale));
+      const double across = scale_across(probes[i], scratch);
+      relative.push_back(
+          typical[i] /
+          (across > scale ? across : std::min(scale, kMedianScales * median_scale_)));
+    }
   }
 
   /// Leaves those out that are no farther apart than the curves around on which samples
@@ -670,6 +720,28 @@ class OutlierFinder {
 };
 
 }  // namespace
+
+Offset outlier_probe_stride(Offset size) { return std::max<Offset>(1, size / kProbes); }
+
+double least_outlier_distance(double distance, std::vector<double> relative) {
+  return std::max(distance,
+                  kNoiseFactor * quantile(std::move(relative), kNoiseQuantile));
+}
+
+OutlierEvidence outlier_evidence(const Samples& samples, const NeighborSearch& search,
+                                 const Neighborhoods& neighborhoods,
+                                 const OutlierOptions& options,
+                                 const OutlierQuestions& asked,
+                                 const Execution& execution) {
+  return OutlierFinder(samples, search, neighborhoods, options, execution)
+      .evidence(asked);
+}
+
+Index outlier_votes(int dim, Offset size) {
+  return static_cast<Index>(std::min<Offset>(
+      size / 2,
+      std::max<Offset>(3 * detail::QuadraticFit::unknowns(dim), kFewestVotes)));
+}
 
 Outliers find_outliers(const Samples& samples, const NeighborSearch& search,
                        const Neighborhoods& neighborhoods,

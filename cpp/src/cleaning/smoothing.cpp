@@ -254,6 +254,13 @@ struct Level {
   double wide = 0;       // median of the directions that are filled, K at most
 };
 
+/// What one probe says about one of them.
+struct At {
+  double scatter, gain, difference, gain_difference, growth, radius, curvature, nearest,
+      tie, thickness, wide;
+};
+static_assert(sizeof(At) == kNoiseValues * sizeof(double));
+
 struct Choice {
   Index num_neighbors = 0;
   double noise = std::numeric_limits<double>::quiet_NaN();  // variance
@@ -321,6 +328,18 @@ class Smoother {
     return result;
   }
 
+  /// The first test of choose() at some samples, and what it says.
+  std::vector<At> test_at(const NeighborSearch& search,
+                          const std::vector<Index>& places) const {
+    return measure_at(search, kNarrowest, kWide, kNarrow - kNarrowest, places);
+  }
+  bool shows_noise(const std::vector<At>& at) const {
+    const std::vector<Level> test =
+        levels_of(at, kNarrowest, kWide, kNarrow - kNarrowest);
+    const int fitting_dim = dim_of(test);
+    return fitting_dim > options_.dim || !is_clean(test, fitting_dim < options_.dim);
+  }
+
  private:
   Smoothing judged(double noise, double risk, int fitting_dim) const {
     Smoothing result;
@@ -357,25 +376,30 @@ class Smoother {
 
   /// Evenly spread for any number of them.
   Index probe(Offset i) const {
-    constexpr double golden = 0.6180339887498949;
-    const double turn = static_cast<double>(i) * golden + 0.5;
-    return static_cast<Index>((turn - std::floor(turn)) * samples_.size());
+    return static_cast<Index>(noise_probe(i, samples_.size()));
   }
 
   /// Levels first, first + step ... last, the bias from two levels before.
   std::vector<Level> measure(const NeighborSearch& search, int first, int last,
                              int step, Index probes) const {
+    std::vector<Index> places;
+    for (Offset i = 0; i < probes; ++i) {
+      places.push_back(probe(i));
+    }
+    return levels_of(measure_at(search, first, last, step, places), first, last, step);
+  }
+
+  /// What each of some samples says about each level.
+  std::vector<At> measure_at(const NeighborSearch& search, int first, int last,
+                             int step, const std::vector<Index>& places) const {
     const int num_levels = (last - first) / step + 1;
     const int half = 2 / step;
-    struct At {
-      double scatter, gain, difference, gain_difference, growth, radius, curvature,
-          nearest, tie, thickness, wide;
-    };
+    const auto probes = static_cast<Offset>(places.size());
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     std::vector<At> at(static_cast<std::size_t>(probes) * num_levels,
                        {nan, nan, nan, nan, nan, nan, nan, nan, 0, nan, nan});
     over(samples_, search, probes, [&](Fitter& fitter, Offset i) {
-      fitter.load(probe(i), std::min(size_of(last), samples_.size() - 1));
+      fitter.load(places[i], std::min(size_of(last), samples_.size() - 1));
       std::vector<Eigen::VectorXd> feet(num_levels);
       std::vector<Eigen::VectorXd> influences(num_levels);
       for (int k = 0; k < num_levels; ++k) {
@@ -405,6 +429,14 @@ class Smoother {
         }
       }
     });
+    return at;
+  }
+
+  std::vector<Level> levels_of(const std::vector<At>& at, int first, int last,
+                               int step) const {
+    const int num_levels = (last - first) / step + 1;
+    const int half = 2 / step;
+    const auto probes = static_cast<Index>(at.size() / num_levels);
     std::vector<Level> levels(num_levels);
     const double decay = 1 - std::pow(2.0, -4.0 / options_.dim);
     for (int k = 0; k < num_levels; ++k) {
@@ -466,7 +498,7 @@ class Smoother {
   int dim_of(const std::vector<Level>& levels) const {
     const int dim = options_.dim;
     const Level& last = levels.back();
-    if (samples_.size() / kSmallShare < last.count) {
+    if (samples_.whole_size() / kSmallShare < last.count) {
       return dim;
     }
     double wide = 0;
@@ -505,10 +537,15 @@ class Smoother {
     return fills;
   }
 
+  static bool is_clean(const std::vector<Level>& test, bool thin) {
+    return thin || test[2].ties > kMostTies || !(test[2].growth < kShapeGrowth) ||
+           !(std::sqrt(test[2].scatter) > kLeastNoise * test[2].nearest);
+  }
+
   Choice choose(const NeighborSearch& search) const {
     Choice choice;
     const Index size = samples_.size();
-    const Index few = std::min(size, kTestProbes + size / kSamplesPerTestProbe);
+    const auto few = static_cast<Index>(num_noise_probes(size));
     const std::vector<Level> test =
         measure(search, kNarrowest, kWide, kNarrow - kNarrowest, few);
     // Where it is not noise, most of it is that of a few probes at creases and between
@@ -525,9 +562,7 @@ class Smoother {
     if (thin && spreads_farther(search)) {
       choice.fitting_dim = options_.dim;
     }
-    const bool clean = thin || test[2].ties > kMostTies ||
-                       !(test[2].growth < kShapeGrowth) ||
-                       !(std::sqrt(test[2].scatter) > kLeastNoise * nearest);
+    const bool clean = is_clean(test, thin);
     if (clean && !thick && options_.only_noise) {
       return choice;
     }
@@ -758,6 +793,45 @@ class Smoother {
 };
 
 }  // namespace
+
+Offset num_noise_probes(Offset size) {
+  return std::min<Offset>(size, kTestProbes + size / kSamplesPerTestProbe);
+}
+
+Offset noise_probe(Offset i, Offset size) {
+  constexpr double golden = 0.6180339887498949;
+  const double turn = static_cast<double>(i) * golden + 0.5;
+  return static_cast<Offset>((turn - std::floor(turn)) * static_cast<double>(size));
+}
+
+std::vector<double> test_noise_at(const Samples& samples, const NeighborSearch& search,
+                                  int dim, const std::vector<Index>& probes,
+                                  const Execution& execution) {
+  SmoothingOptions options;
+  options.dim = dim;
+  const std::vector<At> at =
+      Smoother(samples, options, execution).test_at(search, probes);
+  std::vector<double> values;
+  for (const At& one : at) {
+    values.insert(
+        values.end(),
+        {one.scatter, one.gain, one.difference, one.gain_difference, one.growth,
+         one.radius, one.curvature, one.nearest, one.tie, one.thickness, one.wide});
+  }
+  return values;
+}
+
+bool shows_noise(const Samples& samples, int dim, const std::vector<double>& tests) {
+  SmoothingOptions options;
+  options.dim = dim;
+  std::vector<At> at(tests.size() / kNoiseValues);
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    const double* v = tests.data() + i * kNoiseValues;
+    at[i] = {v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8], v[9], v[10]};
+  }
+  const Execution execution;
+  return Smoother(samples, options, execution).shows_noise(at);
+}
 
 Smoothing smooth(const Samples& samples, const NeighborSearch& search,
                  const SmoothingOptions& options, const Execution& execution) {

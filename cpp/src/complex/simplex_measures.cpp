@@ -97,6 +97,20 @@ double evenness(const Samples& samples, const Neighborhoods& neighborhoods,
   if (neighborhoods.count == 0) {
     return 0;
   }
+  if (samples.whole() != nullptr) {
+    return samples.whole()->evenness;
+  }
+  std::vector<double> ratios =
+      nearest_over_scale(samples, neighborhoods, scales, execution);
+  const auto tenth = ratios.begin() + static_cast<Offset>(ratios.size() / 10);
+  std::nth_element(ratios.begin(), tenth, ratios.end());
+  return evenness_of(*tenth, dim);
+}
+
+std::vector<double> nearest_over_scale(const Samples& samples,
+                                       const Neighborhoods& neighborhoods,
+                                       const std::vector<double>& scales,
+                                       const Execution& execution) {
   std::vector<double> ratios(samples.size());
   detail::for_each_block_uncounted(
       samples.size(), kBlock, execution, [&](Offset begin, Offset end) {
@@ -106,14 +120,16 @@ double evenness(const Samples& samples, const Neighborhoods& neighborhoods,
                       scales[x];
         }
       });
-  const auto tenth = ratios.begin() + static_cast<Offset>(ratios.size() / 10);
-  std::nth_element(ratios.begin(), tenth, ratios.end());
+  return ratios;
+}
+
+double evenness_of(double tenth, int dim) {
   // Of a Poisson process: one in ten has a neighbor in a ball that holds -log(0.9) samples
   // on average, where h holds as many as it has neighbors.
   const double random = std::pow(-std::log(0.9) / scale_neighbors(dim), 1.0 / dim);
   const double low = random + 0.3 * (1 - random);
   const double high = random + 0.42 * (1 - random);
-  return std::clamp((*tenth - low) / (high - low), 0.0, 1.0);
+  return std::clamp((tenth - low) / (high - low), 0.0, 1.0);
 }
 
 SimplexMeasures SimplexRuler::measure(const Index* vertices, int arity) const {

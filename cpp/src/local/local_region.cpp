@@ -127,10 +127,11 @@ class RegionKernel {
         ahead_(is_cheap() ? 0 : std::min(neighborhoods.count, typical_count(dim_))),
         largest_weight_(*std::max_element(weights.begin(), weights.end())),
         max_corner_count_(static_cast<Offset>(
-            kMaxCornerShare * std::sqrt(static_cast<double>(samples.size())))),
+            kMaxCornerShare * std::sqrt(static_cast<double>(samples.whole_size())))),
         region_(dim_,
-                samples.size() > detail::kManySamples ? detail::kEndOfRegionAmongMany
-                                                      : detail::kEndOfRegion,
+                samples.whole_size() > detail::kManySamples
+                    ? detail::kEndOfRegionAmongMany
+                    : detail::kEndOfRegion,
                 execution) {}
 
   /// Reads the coordinates of the nearest neighbors of a few samples ahead of compute(),

@@ -18,6 +18,7 @@
 #include <numeric>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace remanifold {
 namespace {
@@ -96,6 +97,20 @@ Extents check_and_measure(MatrixView points, const Execution& execution) {
   return all;
 }
 
+void check_within(const Extents& extents, const GlobalStatistics& whole) {
+  const std::size_t dim = extents.low.size();
+  if (whole.low.size() != dim || whole.high.size() != dim) {
+    throw std::invalid_argument("the whole has " + std::to_string(whole.low.size()) +
+                                " coordinates, points have " + std::to_string(dim));
+  }
+  for (std::size_t j = 0; j < dim; ++j) {
+    if (extents.low[j] < whole.low[j] || extents.high[j] > whole.high[j]) {
+      throw std::invalid_argument("points[:, " + std::to_string(j) +
+                                  "] reach beyond the extent of the whole");
+    }
+  }
+}
+
 /// The power of two p with extent / p in [0.5, 1); 1 for an extent of zero.
 double power_of_two_above(double extent) {
   if (extent == 0) {
@@ -121,6 +136,18 @@ std::uint64_t spread_by_three(std::uint64_t x) {
 }  // namespace
 
 Samples Samples::from_points(MatrixView points, const Execution& execution) {
+  return from_points(points, nullptr, execution);
+}
+
+Samples Samples::from_part(MatrixView points, GlobalStatistics whole,
+                           const Execution& execution) {
+  return from_points(points, std::make_shared<const GlobalStatistics>(std::move(whole)),
+                     execution);
+}
+
+Samples Samples::from_points(MatrixView points,
+                             std::shared_ptr<const GlobalStatistics> whole,
+                             const Execution& execution) {
   check_count(points.rows, "points");
   if (points.cols < 1) {
     throw std::invalid_argument("points has no coordinates: its second axis is empty");
@@ -128,7 +155,11 @@ Samples Samples::from_points(MatrixView points, const Execution& execution) {
   detail::begin_step(execution, Step::kPrepare, 3 * points.rows);
   const Offset n = points.rows;
   const Offset dim = points.cols;
-  const Extents extents = check_and_measure(points, execution);
+  Extents extents = check_and_measure(points, execution);
+  if (whole) {
+    check_within(extents, *whole);
+    extents = {whole->low, whole->high};
+  }
   const std::vector<double>& low = extents.low;
   const std::vector<double>& high = extents.high;
   // Half the extent, since the extent itself may overflow.
@@ -140,6 +171,7 @@ Samples Samples::from_points(MatrixView points, const Execution& execution) {
 
   Samples samples;
   samples.kind_ = Kind::kPoints;
+  samples.whole_ = std::move(whole);
   samples.ambient_dim_ = static_cast<int>(dim);
   samples.scale_ = power_of_two_above(largest);
   samples.inverse_scale_ = 1.0 / samples.scale_;
