@@ -43,7 +43,7 @@ SOURCES := CMakeLists.txt README.md pyproject.toml $(shell find cpp python tests
 .NOTPARALLEL:
 .PHONY: all demo check test test-cpp test-python test-consumers test-lowest test-newest \
   smoke constraints bench bench-docs bench-hard hard bench-steps soak fuzz faults \
-  interruptions side-by-side \
+  interruptions distributed side-by-side \
   side-by-side-docs docs wheel lint format system-packages clean distclean
 
 all: $(PACKAGE)
@@ -138,6 +138,10 @@ faults: $(PACKAGE)
 # Runs stopped at random moments. make interruptions ARGS="--count 1000 --seed 1"
 interruptions: $(PACKAGE)
 	$(BIN)/python tests/python/interrupting.py $(ARGS)
+
+# In tiles, two million samples of several shapes, beside one piece: some minutes.
+distributed: $(PACKAGE)
+	$(BIN)/python benchmarks/tiles.py --tile-size 300000,1000000 $(ARGS)
 
 # The steps one by one. make bench-steps ARGS="--shape sphere3 --samples 10000,20000"
 bench-steps: $(PACKAGE)

@@ -40,6 +40,7 @@ PACKAGE_ROOMS = {
     "page": "the report page",
     "results": "the classes, and reconstruct",
     "datasets": "sampled manifolds",
+    "distributed": "in tiles, by workers",
     "cli": "the command line",
 }
 # From, to, what. "input" and "result" are no rooms.

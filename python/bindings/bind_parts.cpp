@@ -21,9 +21,10 @@ namespace remanifold::python {
 namespace {
 
 GlobalStatistics make_statistics(std::vector<double> low, std::vector<double> high,
-                                 Offset size, double evenness, bool orientable,
-                                 int opening_rounds) {
-  return {std::move(low), std::move(high), size, evenness, orientable, opening_rounds};
+                                 Offset size, double evenness, int affine_dim,
+                                 bool orientable, int opening_rounds) {
+  return {std::move(low), std::move(high), size,          evenness,
+          affine_dim,     orientable,      opening_rounds};
 }
 
 std::vector<Index> order_of(const Samples& samples) {
@@ -187,8 +188,8 @@ void bind_parts(py::module_& module) {
   using py::arg;
   py::class_<GlobalStatistics>(module, "GlobalStatistics")
       .def(py::init(&make_statistics), py::kw_only(), arg("low"), arg("high"),
-           arg("size"), arg("evenness") = 0.0, arg("orientable") = true,
-           arg("opening_rounds") = -1);
+           arg("size"), arg("evenness") = 0.0, arg("affine_dim") = 0,
+           arg("orientable") = true, arg("opening_rounds") = -1);
   module.attr("SPARSE_SCALE") = kSparseScale;
   module.def("part_order", &part_order, arg("samples"), arg("whole"),
              arg("num_threads"));

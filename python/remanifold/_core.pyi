@@ -158,6 +158,7 @@ class GlobalStatistics:
         high: Sequence[float],
         size: int,
         evenness: float = ...,
+        affine_dim: int = ...,
         orientable: bool = ...,
         opening_rounds: int = ...,
     ) -> None: ...

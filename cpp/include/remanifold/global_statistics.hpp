@@ -15,6 +15,7 @@ struct GlobalStatistics {
   std::vector<double> high;  ///< the same
   Offset size = 0;           ///< distinct samples, without outliers
   double evenness = 0;       ///< as from evenness()
+  int affine_dim = 0;        ///< as from Samples::affine_dim()
   /// False where the simplices that the stars agree on have no orientation as a whole,
   /// though those of the part may have one.
   bool orientable = true;

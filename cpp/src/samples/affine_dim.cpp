@@ -20,6 +20,9 @@ constexpr int kMostDirections = 64;
 }  // namespace
 
 int Samples::affine_dim() const {
+  if (whole_) {
+    return whole_->affine_dim;
+  }
   const Index count = size();
   const auto most = static_cast<int>(varying_axes_.size());
   const auto dim = static_cast<std::size_t>(ambient_dim_);
