@@ -40,7 +40,7 @@ def thin_disk(count=1500, seed=0):
 
 def off_diagonal(matrix):
     matrix = matrix.tocoo()
-    return matrix.data[matrix.coords[0] != matrix.coords[1]]
+    return matrix.data[matrix.row != matrix.col]
 
 
 @pytest.mark.parametrize("kind", ["points", "gram", "distances"])

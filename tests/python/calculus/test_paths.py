@@ -186,7 +186,8 @@ def test_logarithms_as_by_others():
     # The same up to a turn of the frame.
     u, _, v = np.linalg.svd(other[near].T @ found.coordinates[near])
     errors = np.linalg.norm(other @ (u @ v) - found.coordinates, axis=1)[near]
-    assert errors.mean() < 0.03
+    # Theirs: 0.008 in the newest release, 0.07 in the oldest that is allowed.
+    assert errors.mean() < 0.1
 
 
 def test_two_components():
