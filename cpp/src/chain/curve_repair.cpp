@@ -308,12 +308,12 @@ class CurveRepair {
     Index before = -1;
     Index v = a;
     for (;;) {
-      const Index after = next_[v][0] != before ? next_[v][0] : next_[v][1];
-      if (after < 0) {
+      const Index next = after(v, before);
+      if (next < 0) {
         return v;
       }
       before = v;
-      v = after;
+      v = next;
     }
   }
 
@@ -322,12 +322,12 @@ class CurveRepair {
     Index length = 1;
     Index before = -1;
     for (Index v = a; v != b; ++length) {
-      const Index after = next_[v][0] != before ? next_[v][0] : next_[v][1];
-      if (after < 0) {
+      const Index next = after(v, before);
+      if (next < 0) {
         return 0;
       }
       before = v;
-      v = after;
+      v = next;
     }
     return length;
   }
