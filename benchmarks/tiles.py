@@ -89,20 +89,10 @@ def one_piece(path, shape):
 
 
 def in_tiles(path, shape, workers, tile_size):
-    import distributed
-
     import remanifold.distributed as rd
+    from remanifold.distributed._engine import client_of
 
-    with (
-        tempfile.TemporaryDirectory() as work,
-        distributed.LocalCluster(
-            n_workers=workers,
-            threads_per_worker=1,
-            host="127.0.0.1",
-            dashboard_address="127.0.0.1:0",
-        ) as cluster,
-        distributed.Client(cluster) as client,
-    ):
+    with tempfile.TemporaryDirectory() as work, client_of(None, workers) as client:
         before = sum(cpu for cpu, _ in client.run(usage).values()) + usage()[0]
         start = time.monotonic()
         rec = rd.reconstruct(

@@ -13,9 +13,7 @@ from numpy.typing import NDArray
 
 from remanifold import _core
 from remanifold._base.samples import Points
-from remanifold.distributed._store import Part, Store
-
-Arrays = dict[str, NDArray[Any]]
+from remanifold.distributed._store import Arrays, Part, Store
 
 
 class _SignedSets:

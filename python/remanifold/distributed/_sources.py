@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from remanifold._base.files import complete_file
+
 
 @dataclass(frozen=True)
 class Source:
@@ -68,8 +70,6 @@ def source_of(source: object, work: Path) -> tuple[Source, dict[str, Any]]:
     path = work / f"source-{digest}.npy"
     if not path.is_file():
         path.parent.mkdir(parents=True, exist_ok=True)
-        written = path.with_suffix(".writing")
-        with written.open("wb") as file:
+        with complete_file(path) as file:
             np.save(file, array)
-        written.rename(path)
     return Source(str(path)), {"digest": digest, "shape": list(array.shape)}

@@ -10,8 +10,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
-import tempfile
 import zipfile
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -19,6 +17,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from remanifold._base.files import complete_file
 
 Arrays = dict[str, NDArray[Any]]
 
@@ -36,12 +36,6 @@ class Part:
     meta: dict[str, Any] = field(default_factory=dict)
 
 
-def _rename_into_place(written: str, path: Path) -> None:
-    with open(written, "rb") as file:  # noqa: PTH123
-        os.fsync(file.fileno())
-    os.replace(written, path)  # noqa: PTH105
-
-
 class Store:
     """The directory of a run, as every worker sees it."""
 
@@ -50,26 +44,15 @@ class Store:
 
     def put(self, step: str, arrays: Arrays, meta: dict[str, Any]) -> Part:
         """Write the arrays of a step, which has them as a whole or not at all."""
-        folder = Path(self.root) / "parts"
-        folder.mkdir(parents=True, exist_ok=True)
-        handle, written = tempfile.mkstemp(dir=folder, suffix=".writing")
         digest = hashlib.blake2b(digest_size=12)
-        try:
-            with os.fdopen(handle, "wb") as file:
-                np.savez(file, **arrays)  # type: ignore[arg-type]
-            for name in sorted(arrays):
-                array = np.ascontiguousarray(arrays[name])
-                digest.update(f"{name} {array.dtype.str} {array.shape}".encode())
-                digest.update(
-                    array.reshape(-1).view(np.uint8).data if array.size else b""
-                )
-            path = folder / f"{step}-{digest.hexdigest()}.npz"
-            size = Path(written).stat().st_size
-            _rename_into_place(written, path)
-        except BaseException:
-            Path(written).unlink(missing_ok=True)
-            raise
-        return Part(str(path.relative_to(self.root)), size, meta)
+        for name in sorted(arrays):
+            array = np.ascontiguousarray(arrays[name])
+            digest.update(f"{name} {array.dtype.str} {array.shape}".encode())
+            digest.update(array.reshape(-1).view(np.uint8).data if array.size else b"")
+        path = self._path_of(f"{step}-{digest.hexdigest()}.npz")
+        with complete_file(path) as file:
+            np.savez(file, **arrays)  # type: ignore[arg-type]
+        return self._written(path, meta)
 
     def get(self, part: Part, *names: str) -> Arrays:
         """Arrays of a part; checked as they are read.
@@ -104,20 +87,19 @@ class Store:
 
     def put_table(self, step: str, table: NDArray[Any], meta: dict[str, Any]) -> Part:
         """Write one array that will be read in pieces."""
+        digest = hashlib.blake2b(table.view(np.uint8).data, digest_size=12)
+        path = self._path_of(f"{step}-{digest.hexdigest()}.npy")
+        with complete_file(path) as file:
+            np.save(file, table)
+        return self._written(path, meta)
+
+    def _path_of(self, name: str) -> Path:
         folder = Path(self.root) / "parts"
         folder.mkdir(parents=True, exist_ok=True)
-        handle, written = tempfile.mkstemp(dir=folder, suffix=".writing")
-        try:
-            with os.fdopen(handle, "wb") as file:
-                np.save(file, table)
-            digest = hashlib.blake2b(table.view(np.uint8).data, digest_size=12)
-            path = folder / f"{step}-{digest.hexdigest()}.npy"
-            size = Path(written).stat().st_size
-            _rename_into_place(written, path)
-        except BaseException:
-            Path(written).unlink(missing_ok=True)
-            raise
-        return Part(str(path.relative_to(self.root)), size, meta)
+        return folder / name
+
+    def _written(self, path: Path, meta: dict[str, Any]) -> Part:
+        return Part(str(path.relative_to(self.root)), path.stat().st_size, meta)
 
     def table(self, part: Part) -> NDArray[Any]:
         """Map what `put_table` wrote."""
@@ -134,10 +116,8 @@ class Store:
         """Write a small file, renamed into place."""
         path = Path(self.root) / name
         path.parent.mkdir(parents=True, exist_ok=True)
-        handle, written = tempfile.mkstemp(dir=path.parent, suffix=".writing")
-        with os.fdopen(handle, "w") as file:
-            json.dump(value, file, indent=1)
-        _rename_into_place(written, path)
+        with complete_file(path) as file:
+            file.write(json.dumps(value, indent=1).encode())
 
     def read_json(self, name: str) -> Any:
         """Read what `write_json` wrote; None where it did not."""

@@ -23,7 +23,7 @@ from remanifold import _core
 from remanifold._base.samples import Points
 from remanifold.distributed._plan import Plan, make_plan
 from remanifold.distributed._sources import Source
-from remanifold.distributed._store import Part, Store
+from remanifold.distributed._store import Arrays, Part, Store
 from remanifold.method.options import Options
 from remanifold.method.programs import solve_program
 
@@ -104,10 +104,15 @@ def whole_of(job: Job) -> _core.GlobalStatistics:
 # ------------------------------------------------------------------------ samples
 
 
+def read_chunk(job: Job, chunk: int) -> tuple[int, NDArray[np.float64]]:
+    """Number of the first sample of a chunk, and all of them."""
+    begin = chunk * job.chunk
+    return begin, job.source.read(begin, min(job.num_samples, begin + job.chunk))
+
+
 def scan_chunk(job: Job, chunk: int) -> dict[str, Any]:
     """Extents, and some samples for the plan."""
-    begin = chunk * job.chunk
-    points = job.source.read(begin, min(job.num_samples, begin + job.chunk))
+    begin, points = read_chunk(job, chunk)
     finite = np.isfinite(points).all(axis=1)
     if not finite.all():
         row = begin + int(np.flatnonzero(~finite)[0])
@@ -123,8 +128,7 @@ def scan_chunk(job: Job, chunk: int) -> dict[str, Any]:
 
 def spanning_samples(job: Job, chunk: int) -> NDArray[np.float64]:
     """Samples that span the flat of a chunk."""
-    begin = chunk * job.chunk
-    points = job.source.read(begin, min(job.num_samples, begin + job.chunk))
+    _, points = read_chunk(job, chunk)
     return points[spanning_rows(points, FLAT * scale_of(job))]
 
 
@@ -154,8 +158,7 @@ def plan_tiles(job: Job, scans: list[dict[str, Any]], tile_size: int) -> Part:
 
 def sort_chunk(job: Job, chunk: int) -> Part:
     """Write the samples of a chunk by cells."""
-    begin = chunk * job.chunk
-    points = job.source.read(begin, min(job.num_samples, begin + job.chunk))
+    begin, points = read_chunk(job, chunk)
     plan = plan_of(job)
     cells = plan.cells_of(points)
     order = np.argsort(cells, kind="stable")
@@ -204,15 +207,15 @@ def load_box(job: Job, tile: int, halo: float) -> Box:
         for first, last in runs:
             piece = table[offsets[first] : offsets[last]]
             at = piece["point"]
-            within = ((at >= low) & (at <= high)).all(axis=1)
-            numbers.append(piece["number"][within])
-            points.append(at[within])
+            inside = within(at, low, high)
+            numbers.append(piece["number"][inside])
+            points.append(at[inside])
     all_numbers = np.concatenate(numbers)
     order = np.argsort(all_numbers)
     all_points = np.ascontiguousarray(np.concatenate(points)[order])
     own_low, own_high = plan.box(tile, 0.0)
-    inside = (all_points >= own_low) & (all_points < own_high)
-    own: NDArray[np.bool_] = np.all(inside, axis=1)
+    owned = (all_points >= own_low) & (all_points < own_high)
+    own: NDArray[np.bool_] = np.all(owned, axis=1)
     return Box(low, high, all_numbers[order], all_points, own, halo)
 
 
@@ -428,7 +431,7 @@ def open_region_of(job: Job, box: Box) -> tuple[list[int], NDArray[np.float64]] 
 
 def answers_of(
     job: Job, tile: int, box: Box, result: dict[str, Any]
-) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
+) -> tuple[Arrays, dict[str, Any]]:
     """What a tile answers for, and what the others have to agree with."""
     plan = plan_of(job)
     part, repair, openings = result["part"], result["repair"], result["openings"]
@@ -437,7 +440,7 @@ def answers_of(
     rows = rows[trusted[rows].all(axis=1)]
     own = box.own[rows[:, 0]]
     patch, sign, orientable = _core.oriented_patches(rows, len(trusted), job.threads)
-    arrays: dict[str, NDArray[Any]] = {
+    arrays: Arrays = {
         "simplices": box.numbers[rows[own]],
         "patch": patch[own],
         "sign": sign[own],
@@ -584,7 +587,7 @@ def orientations_of(
     patch: NDArray[np.int32],
     sign: NDArray[np.int8],
     order: NDArray[np.int32],
-) -> dict[str, NDArray[Any]]:
+) -> Arrays:
     """What turns patches: of each the first simplex in the order of the core, and volume.
 
     The volume is that of cones from the origin for K = D - 1.
