@@ -11,8 +11,6 @@
 namespace remanifold::detail {
 namespace {
 
-/// Pivots of the normal matrix below this are rounding.
-constexpr double kSingular = 1e-10;
 /// Rows this many times the scatter off the first quadric count nothing in the second
 /// (Tukey's biweight; of normal noise in one direction it wastes 2 %).
 constexpr double kRobust = 6;
@@ -53,7 +51,7 @@ bool LocalQuadric::fit(const Eigen::MatrixXd& all, const Eigen::VectorXd& distan
   }
   reach_ = radius;
   solve(rows, radius);
-  if (num_unknowns_ > 1) {
+  if (design_.num_unknowns() > 1) {
     RowMatrix tilted = coefficients_.middleRows(1, dim_);
     if (orthonormalize(tilted)) {
       frame_ = tilted;
@@ -80,9 +78,8 @@ bool LocalQuadric::fit(const Eigen::MatrixXd& all, const Eigen::VectorXd& distan
   solve(rows, reach_);
 
   // Against the scatter that the fit leaves, its own unknowns are taken off.
-  const Eigen::MatrixXd squares =
-      weighted_.leftCols(num_unknowns_).transpose() * weighted_.leftCols(num_unknowns_);
-  const double taken = factors_.solve(squares).trace();
+  const Eigen::MatrixXd squares = design_.weighted().transpose() * design_.weighted();
+  const double taken = design_.factors().solve(squares).trace();
   const double freedom = weights_.sum() - taken;
   const double sum = weights_.dot(squared_residuals_);
   variance_ = freedom > 0 ? sum / freedom : std::numeric_limits<double>::quiet_NaN();
@@ -90,17 +87,18 @@ bool LocalQuadric::fit(const Eigen::MatrixXd& all, const Eigen::VectorXd& distan
   spread_ = weights_.dot(tangent_.rowwise().squaredNorm()) * reach_ * reach_ /
             (weights_.sum() * dim_);
 
-  Eigen::VectorXd terms = Eigen::VectorXd::Zero(num_unknowns_);
+  Eigen::VectorXd terms = Eigen::VectorXd::Zero(design_.num_unknowns());
   terms[0] = 1;
-  influence_.noalias() = weighted_.leftCols(num_unknowns_) * factors_.solve(terms);
+  influence_.noalias() = design_.weighted() * design_.factors().solve(terms);
 
   curvature_ = 0;
   // Noise along the manifold draws what is bent towards the inside, by half the variance
   // in each direction times the mean curvature.
   // Coordinates without extent have no noise.
   const auto codim = (rows.array() != 0).colwise().any().count() - dim_;
-  if (num_unknowns_ == unknowns(dim_) && codim > 0 && variance_ > 0) {
-    Eigen::MatrixXd second = coefficients_.bottomRows(num_unknowns_ - 1 - dim_);
+  if (design_.num_unknowns() == unknowns(dim_) && codim > 0 && variance_ > 0) {
+    Eigen::MatrixXd second =
+        coefficients_.bottomRows(design_.num_unknowns() - 1 - dim_);
     second -= (second * frame_.transpose()) * frame_;
     Eigen::VectorXd bend = Eigen::VectorXd::Zero(rows.cols());
     double squares_of_all = 0;
@@ -143,47 +141,16 @@ bool LocalQuadric::find_frame(const Eigen::Ref<const Eigen::MatrixXd>& rows) {
 void LocalQuadric::solve(const Eigen::Ref<const Eigen::MatrixXd>& rows, double unit) {
   tangent_.noalias() = rows * frame_.transpose();
   tangent_ /= unit;
-  design_.resize(rows.rows(), unknowns(dim_));
-  design_.col(0).setOnes();
-  design_.middleCols(1, dim_) = tangent_;
-  int column = 1 + dim_;
-  for (int i = 0; i < dim_; ++i) {
-    for (int j = 0; j <= i; ++j) {
-      design_.col(column++) = tangent_.col(i).cwiseProduct(tangent_.col(j));
-    }
-  }
-  weighted_ = weights_.asDiagonal() * design_;
-  for (const int candidate : {unknowns(dim_), 1 + dim_, 1}) {
-    if (decompose(candidate)) {
-      break;
-    }
-  }
-  coefficients_ = factors_.solve(weighted_.leftCols(num_unknowns_).transpose() * rows);
-  residuals_ = rows - design_.leftCols(num_unknowns_) * coefficients_;
+  design_.set(tangent_, weights_);
+  coefficients_ = design_.factors().solve(design_.weighted().transpose() * rows);
+  residuals_ = rows - design_.terms() * coefficients_;
   residuals_ -= (residuals_ * frame_.transpose()) * frame_;
   squared_residuals_ = residuals_.rowwise().squaredNorm();
 }
 
-bool LocalQuadric::decompose(int num_unknowns) {
-  num_unknowns_ = num_unknowns;
-  const auto fitted = (weights_.array() > 0).count();
-  if (num_unknowns > 1 && fitted < num_unknowns) {
-    return false;
-  }
-  const Eigen::MatrixXd normal =
-      design_.leftCols(num_unknowns).transpose() * weighted_.leftCols(num_unknowns);
-  factors_.compute(normal);
-  if (factors_.info() != Eigen::Success) {
-    return num_unknowns == 1;
-  }
-  const auto pivots = factors_.matrixLLT().diagonal().array();
-  return num_unknowns == 1 ||
-         pivots.minCoeff() * pivots.minCoeff() > kSingular * normal(0, 0);
-}
-
 double LocalQuadric::scatter() const {
   const double fitted = static_cast<double>((weights_.array() > 0).count());
-  const double freedom = weights_.sum() * (1 - num_unknowns_ / fitted);
+  const double freedom = weights_.sum() * (1 - design_.num_unknowns() / fitted);
   return freedom > 0 ? weights_.dot(squared_residuals_) / freedom : 0;
 }
 

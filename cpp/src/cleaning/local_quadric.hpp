@@ -8,8 +8,8 @@
 #pragma once
 
 #include "local/local_coordinates.hpp"
+#include "local/quadratic_design.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 
 namespace remanifold::detail {
@@ -18,7 +18,7 @@ class LocalQuadric {
  public:
   explicit LocalQuadric(int dim) : dim_(dim) {}
 
-  static constexpr int unknowns(int dim) { return 1 + dim + dim * (dim + 1) / 2; }
+  static constexpr int unknowns(int dim) { return QuadraticDesign::unknowns(dim); }
 
   /// \param rows       positions less the center, nearest first; the first `count` count
   /// \param distances  of the rows from the center where they were looked for, ascending
@@ -54,18 +54,14 @@ class LocalQuadric {
  private:
   bool find_frame(const Eigen::Ref<const Eigen::MatrixXd>& rows);
   void solve(const Eigen::Ref<const Eigen::MatrixXd>& rows, double unit);
-  bool decompose(int num_unknowns);
   double scatter() const;
 
   int dim_;
-  int num_unknowns_ = 0;
   RowMatrix frame_;  // K x D
   Eigen::VectorXd weights_;
   Eigen::MatrixXd tangent_;  // rows x K, in units of the reach
-  Eigen::MatrixXd design_;
-  Eigen::MatrixXd weighted_;
+  QuadraticDesign design_;
   Eigen::MatrixXd coefficients_;  // unknowns x D
-  Eigen::LLT<Eigen::MatrixXd> factors_;
   Eigen::MatrixXd residuals_;
   Eigen::VectorXd squared_residuals_;
   Eigen::VectorXd foot_;

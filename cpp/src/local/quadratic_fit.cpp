@@ -18,8 +18,6 @@ constexpr Eigen::Index kIteratedCoordinates = 24;
 /// Directions beyond the K wanted ones that are carried along: what mixes with them does
 /// not matter.
 constexpr Eigen::Index kSpareDirections = 4;
-/// Pivots of the normal matrix below this are rounding.
-constexpr double kSingular = 1e-10;
 /// How far beyond the fitted rows, in units of their radius, the quadric is followed.
 constexpr double kFarthest = 1.5;
 /// A row that alone determines the quadric there says nothing about itself.
@@ -68,7 +66,7 @@ bool QuadraticFit::fit(const RowMatrix& vectors, const Eigen::VectorXd& weights)
     return false;
   }
   solve_design();
-  if (num_unknowns_ > 1) {
+  if (design_.num_unknowns() > 1) {
     RowMatrix tilted = coefficients_.middleRows(1, dim_);
     if (orthonormalize(tilted)) {
       frame_ = tilted;
@@ -99,13 +97,7 @@ bool QuadraticFit::find_principal() {
 
 void QuadraticFit::solve_design() {
   fill_design();
-  for (const int candidate : {unknowns(dim_), 1 + dim_, 1}) {
-    if (decompose(candidate)) {
-      break;
-    }
-  }
-  coefficients_ =
-      factors_.solve(weighted_.leftCols(num_unknowns_).transpose() * *vectors_);
+  coefficients_ = design_.factors().solve(design_.weighted().transpose() * *vectors_);
 }
 
 void QuadraticFit::fill_design() {
@@ -119,43 +111,17 @@ void QuadraticFit::fill_design() {
   }
   radius_ = radius_ > 0 ? std::sqrt(radius_) : 1;
   tangent_ /= radius_;
-  design_.resize(rows, unknowns(dim_));
-  design_.col(0).setOnes();
-  design_.middleCols(1, dim_) = tangent_;
-  int column = 1 + dim_;
-  for (int i = 0; i < dim_; ++i) {
-    for (int j = 0; j <= i; ++j) {
-      design_.col(column++) = tangent_.col(i).cwiseProduct(tangent_.col(j));
-    }
-  }
-  weighted_ = weights_->asDiagonal() * design_;
-}
-
-bool QuadraticFit::decompose(int num_unknowns) {
-  num_unknowns_ = num_unknowns;
-  const auto fitted = (weights_->array() > 0).count();
-  if (num_unknowns > 1 && fitted < num_unknowns) {
-    return false;
-  }
-  const Eigen::MatrixXd normal =
-      design_.leftCols(num_unknowns).transpose() * weighted_.leftCols(num_unknowns);
-  factors_.compute(normal);
-  if (factors_.info() != Eigen::Success) {
-    return num_unknowns == 1;
-  }
-  const auto pivots = factors_.matrixLLT().diagonal().array();
-  return num_unknowns == 1 ||
-         pivots.minCoeff() * pivots.minCoeff() > kSingular * normal(0, 0);
+  design_.set(tangent_, *weights_);
 }
 
 void QuadraticFit::predict(Eigen::Index row, Eigen::VectorXd& combination) {
-  terms_ = factors_.solve(design_.row(row).head(num_unknowns_).transpose());
-  combination.noalias() = weighted_.leftCols(num_unknowns_) * terms_;
+  terms_ = design_.factors().solve(design_.terms().row(row).transpose());
+  combination.noalias() = design_.weighted() * terms_;
 }
 
 void QuadraticFit::tangent_terms(Eigen::Index row, double most,
                                  Eigen::VectorXd& terms) const {
-  terms = design_.row(row).head(num_unknowns_).transpose();
+  terms = design_.terms().row(row).transpose();
   const double length = tangent_.row(row).norm();
   if (length > most) {
     const double factor = most / length;
@@ -170,19 +136,18 @@ double QuadraticFit::distance_without(Eigen::Index row) {
   tangent_terms(row, kFarthest, terms);
   residual_ = vectors_->row(row).transpose() - coefficients_.transpose() * terms;
   residual_ -= frame_.transpose() * (frame_ * residual_);
-  terms_ = factors_.solve(terms);
+  terms_ = design_.factors().solve(terms);
   const double leverage = (*weights_)[row] * terms.dot(terms_);
   return residual_.norm() / std::max(1 - leverage, kLeastFreedom);
 }
 
 double QuadraticFit::variance() const {
-  Eigen::MatrixXd residuals =
-      *vectors_ - design_.leftCols(num_unknowns_) * coefficients_;
+  Eigen::MatrixXd residuals = *vectors_ - design_.terms() * coefficients_;
   residuals -= (residuals * frame_.transpose()) * frame_;
   const double sum =
       (weights_->transpose() * residuals.rowwise().squaredNorm()).value();
   const auto fitted = static_cast<double>((weights_->array() > 0).count());
-  const double freedom = weights_->sum() * (1 - num_unknowns_ / fitted);
+  const double freedom = weights_->sum() * (1 - design_.num_unknowns() / fitted);
   return freedom > 0 ? sum / freedom : std::numeric_limits<double>::quiet_NaN();
 }
 

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A quadric through weighted vectors by least squares: their normal coordinates as
-// polynomials of degree two in the tangent ones. Where there are too few vectors, or they
-// lie so that some coefficients are not determined, the degree is one or zero.
+// polynomials of degree two in the tangent ones, or of a lower one (quadratic_design.hpp).
 #pragma once
 
 #include "local/local_coordinates.hpp"
+#include "local/quadratic_design.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 
 namespace remanifold::detail {
@@ -20,7 +19,7 @@ class QuadraticFit {
  public:
   explicit QuadraticFit(int dim) : dim_(dim) {}
 
-  static constexpr int unknowns(int dim) { return 1 + dim + dim * (dim + 1) / 2; }
+  static constexpr int unknowns(int dim) { return QuadraticDesign::unknowns(dim); }
 
   /// \param vectors  rows; their tangent space is that of the K leading principal
   ///                 directions, tilted by the linear part of a first fit
@@ -41,20 +40,16 @@ class QuadraticFit {
  private:
   bool find_principal();
   void solve_design();
-  bool decompose(int num_unknowns);
   void fill_design();
   void tangent_terms(Eigen::Index row, double most, Eigen::VectorXd& terms) const;
 
   int dim_;
   const RowMatrix* vectors_ = nullptr;
   const Eigen::VectorXd* weights_ = nullptr;
-  int num_unknowns_ = 0;
-  double radius_ = 0;         // of the tangent coordinates of fitted rows
-  RowMatrix frame_;           // K x r, orthonormal
-  RowMatrix tangent_;         // rows x K, in units of the radius
-  Eigen::MatrixXd design_;    // rows x unknowns
-  Eigen::MatrixXd weighted_;  // the same times the weights
-  Eigen::LLT<Eigen::MatrixXd> factors_;
+  double radius_ = 0;  // of the tangent coordinates of fitted rows
+  RowMatrix frame_;    // K x r, orthonormal
+  RowMatrix tangent_;  // rows x K, in units of the radius
+  QuadraticDesign design_;
   Eigen::MatrixXd coefficients_;  // unknowns x r
   Eigen::VectorXd terms_;
   Eigen::VectorXd residual_;

@@ -305,6 +305,51 @@ TEST(ConvexHullD, OrientationIsExact) {
   }
 }
 
+/// Determinants down to 2^-(40 dim) beside entries of the size of one: what 53 bits tell, what
+/// 106 tell, and what neither does.
+TEST(ConvexHullD, OrientationIsExactWhereFewBitsAreLeft) {
+  std::mt19937 random(5);
+  std::uniform_int_distribution<int> small(-1, 1);
+  for (const int dim : {3, 4, 5, 6, 8, 9, 12}) {
+    for (int round = 0; round < 8 * (dim + 1); ++round) {
+      // A unit lower times an upper triangular matrix: the determinant is the product of
+      // the diagonal.
+      const int num_short = round % (dim + 1);
+      int expected = 1;
+      std::vector<double> diagonal(dim);
+      for (int i = 0; i < dim; ++i) {
+        const int sign =
+            round % 8 == 7 && i == 0 ? 0 : 2 * (small(random) > 0 ? 1 : 0) - 1;
+        diagonal[i] = sign * (i < num_short ? 0x1p-40 : 1.0);
+        expected *= sign;
+      }
+      std::vector<Point> points(dim + 1, Point(dim));
+      std::vector<std::vector<int>> lower(dim, std::vector<int>(dim));
+      std::vector<std::vector<int>> upper(dim, std::vector<int>(dim));
+      for (int i = 0; i < dim; ++i) {
+        for (int j = 0; j < dim; ++j) {
+          lower[i][j] = small(random);
+          upper[i][j] = small(random);
+        }
+      }
+      for (int i = 0; i < dim; ++i) {
+        for (int j = 0; j < dim; ++j) {
+          for (int k = 0; k <= std::min(i, j); ++k) {
+            points[i + 1][j] +=
+                (k == i ? 1 : lower[i][k]) * (k == j ? diagonal[k] : upper[k][j]);
+          }
+        }
+      }
+      std::vector<const double*> pointers;
+      for (const Point& point : points) {
+        pointers.push_back(point.data());
+      }
+      ASSERT_EQ(exact_orientation(dim, pointers.data()), expected)
+          << dim << ": " << round;
+    }
+  }
+}
+
 /// Points within rounding of a facet: taken where they are outside of it, and only there.
 TEST(ConvexHullD, TakesWhatIsOutsideByTheLastBit) {
   const std::vector<Point> tetrahedron = {
