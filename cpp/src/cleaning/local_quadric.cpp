@@ -142,7 +142,7 @@ void LocalQuadric::solve(const Eigen::Ref<const Eigen::MatrixXd>& rows, double u
   tangent_.noalias() = rows * frame_.transpose();
   tangent_ /= unit;
   design_.set(tangent_, weights_);
-  coefficients_ = design_.factors().solve(design_.weighted().transpose() * rows);
+  coefficients_ = design_.fit(rows);
   residuals_ = rows - design_.terms() * coefficients_;
   residuals_ -= (residuals_ * frame_.transpose()) * frame_;
   squared_residuals_ = residuals_.rowwise().squaredNorm();

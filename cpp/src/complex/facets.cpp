@@ -9,6 +9,9 @@
 #include "complex/simplex_rows.hpp"
 
 #include <algorithm>
+#include <cstdint>
+#include <functional>
+#include <limits>
 #include <numeric>
 
 namespace remanifold {
@@ -26,15 +29,20 @@ struct Entry {
   FacetNumber facet;
 };
 
-/// Sorts entries, equal ones by their number, and visits each group of equal ones.
-/// \param start  position of the first
-template <class Compare, class Visit>
-void visit_groups(std::vector<Entry>& entries, const Compare& compare, Offset start,
-                  const Visit& visit) {
+/// Sorts entries, equal ones by their number.
+template <class Compare>
+void sort_entries(std::vector<Entry>& entries, const Compare& compare) {
   detail::sort_few(entries.begin(), entries.end(), [&](const Entry& a, const Entry& b) {
     const int order = compare(a, b);
     return order != 0 ? order < 0 : a.facet < b.facet;
   });
+}
+
+/// Visits each group of equal ones among sorted entries.
+/// \param start  position of the first
+template <class Compare, class Visit>
+void visit_groups(const std::vector<Entry>& entries, const Compare& compare,
+                  Offset start, const Visit& visit) {
   std::size_t first = 0;
   for (std::size_t i = 1; i <= entries.size(); ++i) {
     if (i == entries.size() || compare(entries[first], entries[i]) != 0) {
@@ -66,8 +74,36 @@ void sort_few_facets(const SimplexArray& simplices, const Visit& visit) {
     }
     return 0;
   };
+  sort_entries(entries, compare);
   visit_groups(entries, compare, 0, visit);
 }
+
+/// The entries of one bucket of triangles, sorted: as numbers that hold both members, which
+/// takes half the time.
+class TriangleEntries {
+ public:
+  static bool can_hold(const SimplexArray& triangles) {
+    return triangles.arity == 3 &&
+           triangles.vertices.size() <= std::numeric_limits<std::uint32_t>::max();
+  }
+
+  void clear() { keys_.clear(); }
+  void add(Index second, FacetNumber facet) {
+    keys_.push_back(static_cast<std::uint64_t>(second) << 32 |
+                    static_cast<std::uint64_t>(facet));
+  }
+  void sort_into(std::vector<Entry>& entries) {
+    detail::sort_few(keys_.begin(), keys_.end(), std::less<>());
+    entries.resize(keys_.size());
+    std::transform(keys_.begin(), keys_.end(), entries.begin(), [](std::uint64_t key) {
+      return Entry{static_cast<Index>(key >> 32),
+                   static_cast<FacetNumber>(key & 0xffffffffU)};
+    });
+  }
+
+ private:
+  std::vector<std::uint64_t> keys_;
+};
 
 /// Sorts facets by their vertices. visit(position, entries, count) is called, in parallel,
 /// for each group that has the same, with the group's position in the order of all.
@@ -86,6 +122,7 @@ void sort_facets(const SimplexArray& simplices, Index num_vertices,
   // A facet's lowest vertex is the first of its simplex or, without that, the second.
   const detail::Buckets by_first(simplices, 0, num_vertices, execution);
   const detail::Buckets by_second(simplices, 1, num_vertices, execution);
+  const bool packed = TriangleEntries::can_hold(simplices);
   const auto compare = [&](const Entry& a, const Entry& b) {
     if (a.second != b.second) {
       return a.second < b.second ? -1 : 1;
@@ -102,8 +139,25 @@ void sort_facets(const SimplexArray& simplices, Index num_vertices,
   detail::for_each_block_uncounted(
       num_vertices, kBlock, execution, [&](Offset begin, Offset end) {
         std::vector<Entry> entries;
+        TriangleEntries triangle_entries;
         for (Offset v = begin; v < end; ++v) {
+          const Offset start = by_first.begin(v) * (arity - 1) + by_second.begin(v);
           entries.clear();
+          if (packed) {
+            triangle_entries.clear();
+            for (Offset i = by_first.begin(v); i < by_first.end(v); ++i) {
+              const Offset s = by_first.row(i);
+              triangle_entries.add(simplices[s][2], 3 * s + 1);
+              triangle_entries.add(simplices[s][1], 3 * s + 2);
+            }
+            for (Offset i = by_second.begin(v); i < by_second.end(v); ++i) {
+              const Offset s = by_second.row(i);
+              triangle_entries.add(simplices[s][2], 3 * s);
+            }
+            triangle_entries.sort_into(entries);
+            visit_groups(entries, compare, start, visit);
+            continue;
+          }
           const auto add = [&](Offset s, int leave) {
             entries.push_back({arity > 2 ? facet_vertex(simplices[s], leave, 1) : 0,
                                s * arity + leave});
@@ -116,8 +170,8 @@ void sort_facets(const SimplexArray& simplices, Index num_vertices,
           for (Offset i = by_second.begin(v); i < by_second.end(v); ++i) {
             add(by_second.row(i), 0);
           }
-          visit_groups(entries, compare,
-                       by_first.begin(v) * (arity - 1) + by_second.begin(v), visit);
+          sort_entries(entries, compare);
+          visit_groups(entries, compare, start, visit);
         }
       });
 }

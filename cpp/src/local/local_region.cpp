@@ -123,6 +123,7 @@ class RegionKernel {
         dim_(K == Eigen::Dynamic ? tangents.dim : K),
         distances_(samples, neighborhoods),
         query_(search.query(execution)),
+        is_exact_(search.method() != SearchMethod::kApproximate),
         first_batch_(4 * dim_),
         ahead_(is_cheap() ? 0 : std::min(neighborhoods.count, typical_count(dim_))),
         largest_weight_(*std::max_element(weights.begin(), weights.end())),
@@ -387,6 +388,11 @@ class RegionKernel {
   /// positions, a corner is too far, or too many samples are as far from it as x
   bool certify_corners() {
     region_.update();
+    // A ball through x reaches as far as twice its radius: where the list does, nothing in
+    // the ball is new.
+    const bool is_complete = is_exact_ && measured_ == list_.size() && !list_.empty();
+    squared_listed_ =
+        is_complete ? squared_distances_[list_.size() - 1] * (1 - 1e-9) : 0;
     seen_.resize(samples_.size(), -1);
     for (const auto& known : region_.halfspaces()) {
       seen_[known.sample] = x_;
@@ -443,6 +449,9 @@ class RegionKernel {
                 frame.transpose() * corner.position;
     const double squared_radius =
         (1 + 4 * corner.error) * corner.length * corner.length + largest_weight_;
+    if (4 * squared_radius < squared_listed_) {
+      return true;
+    }
     const int fresh_before = region_.fresh();
     for (; corner_count_ <= max_corner_count_; corner_count_ *= 2) {
       const Offset count = std::min<Offset>(corner_count_, samples_.size());
@@ -524,6 +533,7 @@ class RegionKernel {
   int dim_;
   detail::KnownDistances distances_;
   std::unique_ptr<NeighborSearch::Query> query_;
+  bool is_exact_;
   std::size_t first_batch_;
   Index ahead_;  // neighbors read ahead of each sample
 
@@ -540,6 +550,7 @@ class RegionKernel {
   std::vector<Index> added_;  // by certify_corners since the region's last update
   std::vector<Index> certified_;  // facets, K ids each
   Offset corner_count_ = 0;       // samples asked for around a corner
+  double squared_listed_ = 0;     // up to which certify_corners knows all samples
   double largest_weight_;
   Offset max_corner_count_;
   Eigen::VectorXd difference_;

@@ -29,7 +29,12 @@ Eigen::MatrixXd leading_directions(const Eigen::MatrixXd& rows, Eigen::Index cou
                                    Eigen::VectorXd& squares, int iterations) {
   const Eigen::Index size = rows.cols();
   if (size < kIteratedCoordinates) {
-    const Eigen::MatrixXd products = rows.transpose() * rows;
+    Eigen::MatrixXd products(size, size);  // its lower triangle is read
+    for (Eigen::Index i = 0; i < size; ++i) {
+      for (Eigen::Index j = 0; j <= i; ++j) {
+        products(i, j) = rows.col(i).dot(rows.col(j));
+      }
+    }
     const SymmetricEigen eigen(products);
     squares = eigen.eigenvalues().tail(count);
     return eigen.eigenvectors().rightCols(count);
@@ -97,12 +102,12 @@ bool QuadraticFit::find_principal() {
 
 void QuadraticFit::solve_design() {
   fill_design();
-  coefficients_ = design_.factors().solve(design_.weighted().transpose() * *vectors_);
+  coefficients_ = design_.fit(*vectors_);
 }
 
 void QuadraticFit::fill_design() {
   const Eigen::Index rows = vectors_->rows();
-  tangent_.noalias() = *vectors_ * frame_.transpose();
+  tangent_.noalias() = vectors_->lazyProduct(frame_.transpose());
   radius_ = 0;
   for (Eigen::Index i = 0; i < rows; ++i) {
     if ((*weights_)[i] > 0) {

@@ -55,25 +55,12 @@ def solve_program(
     """
     import highspy  # most results ask for no program, and it takes its time
 
-    program = highspy.HighsLp()
-    program.num_col_ = len(costs)
-    program.num_row_ = len(row_lower)
-    program.col_cost_ = costs
-    program.col_lower_ = np.zeros(len(costs))
-    program.col_upper_ = upper
-    program.row_lower_ = row_lower
-    program.row_upper_ = row_upper
-    program.a_matrix_.format_ = highspy.MatrixFormat.kRowwise
-    program.a_matrix_.start_ = offsets.astype(np.int32)
-    program.a_matrix_.index_ = columns
-    program.a_matrix_.value_ = values
     # Presolving a linear program takes longer here than it saves, and cannot be interrupted.
     presolve = "choose" if len(integral) else "off"
+    kind = highspy.HighsVarType
+    kinds = np.full(len(costs), int(kind.kContinuous), dtype=np.int32)
     if len(integral):
-        program.integrality_ = [
-            highspy.HighsVarType.kInteger if i else highspy.HighsVarType.kContinuous
-            for i in integral
-        ]
+        kinds[integral != 0] = int(kind.kInteger)
     solver = _silent_solver(highspy)
     solver.setOptionValue("threads", 1)
     solver.setOptionValue("presolve", presolve)
@@ -88,7 +75,24 @@ def solve_program(
         _stop_when(cancelled, solver, highspy)
     else:
         solver.setOptionValue("simplex_iteration_limit", SLICE)
-    solver.passModel(program)
+    # As arrays: into an `HighsLp` each of their entries would go as an object of Python.
+    solver.passModel(
+        len(costs),
+        len(row_lower),
+        len(values),
+        int(highspy.MatrixFormat.kRowwise),
+        int(highspy.ObjSense.kMinimize),
+        0.0,
+        costs,
+        np.zeros(len(costs)),
+        upper,
+        row_lower,
+        row_upper,
+        offsets.astype(np.int32),
+        columns,
+        values,
+        kinds,
+    )
     solver.run()
     more = highspy.HighsModelStatus.kIterationLimit
     while solver.getModelStatus() == more and not cancelled():
