@@ -11,6 +11,7 @@
 #include "complex/simplex_rows.hpp"
 #include "local/frame_fit.hpp"
 #include "local/local_coordinates.hpp"
+#include "query/surface_fits.hpp"
 #include "remanifold/facets.hpp"
 #include "remanifold/input_numbering.hpp"
 #include "remanifold/simplex_measures.hpp"
@@ -35,8 +36,6 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr Offset kBlock = 1024;
 constexpr Offset kGroup = 64;
 constexpr int kMaxDim = 16;
-/// Neighbors nearer than this times h tell of noise rather than of the reach.
-constexpr double kNearest = 0.75;
 /// Folds count where both sides are at least this times h high: needles fold anywhere.
 constexpr double kLeastHeight = 0.3;
 /// Cosine at the facet below which that is not looked at: folds of less than 60 degrees.
@@ -150,7 +149,6 @@ class Quadrics {
   }
 
  private:
-  static constexpr double kFlatDesign = 1e-10;
   static constexpr int kUnknowns =
       K == Eigen::Dynamic ? Eigen::Dynamic : 1 + K + K * (K + 1) / 2;
   using Factors = detail::SymmetricFactors<kUnknowns>;
@@ -232,7 +230,7 @@ class Quadrics {
       least = std::min(least, factors_.pivot(i));
       largest = std::max(largest, factors_.pivot(i));
     }
-    if (!(least > kFlatDesign * largest)) {
+    if (!(least > detail::kFlatDesign * largest)) {
       return kNaN;
     }
     double rest = 0;
@@ -380,16 +378,72 @@ class QualityKernel {
         distances_(samples, neighborhoods),
         frame_fit_(dim),
         quadrics_(dim),
+        fits_(kFew ? narrow : 0, kFew ? wide : 0),
         seen_(samples.size(), -1) {}
 
-  void measure(Index x, SamplingQuality& out) {
-    if (x + kAhead < samples_.size()) {
-      expect(x + kAhead);
+  void measure(Index begin, Index end, SamplingQuality& out) {
+    for (Index x = begin; x < end; ++x) {
+      find_strange(x, out);
+      out.scatter[x] = out.wide_scatter[x] = out.curvature[x] = out.reach[x] = kNaN;
+      out.tangent_share[x] = 0;
     }
-    find_strange(x, out);
-    out.scatter[x] = out.wide_scatter[x] = out.curvature[x] = out.reach[x] = kNaN;
-    out.tangent_share[x] = 0;
-    if (narrow_ == 0 || !(kFew ? load_few(x) : load_any(x))) {
+    if (narrow_ == 0) {
+      return;
+    }
+    if constexpr (kFew) {
+      for (; begin < end; begin += detail::SurfaceFits::kLanes) {
+        measure_few(begin, std::min<Index>(detail::SurfaceFits::kLanes, end - begin),
+                    out);
+      }
+    } else {
+      for (; begin < end; ++begin) {
+        measure_any(begin, out);
+      }
+    }
+  }
+
+ private:
+  static constexpr Index kAhead = 8;  // samples whose tangent spaces are under way
+  /// Surfaces in space: vectors are looked up nowhere, and have one normal coordinate.
+  static constexpr bool kFew = K == 2 && D == 3;
+  using Frame = typename detail::FrameFit<K, D>::Frame;
+  using Square = Eigen::Matrix<double, K, K, 0, K == Eigen::Dynamic ? kMaxDim : K,
+                               K == Eigen::Dynamic ? kMaxDim : K>;
+
+  int dim() const { return K == Eigen::Dynamic ? dim_ : K; }
+
+  /// Of surfaces in space, as many samples at once as there are lanes.
+  void measure_few(Index first, Index count, SamplingQuality& out) {
+    bool found[detail::SurfaceFits::kLanes] = {};
+    for (int lane = 0; lane < detail::SurfaceFits::kLanes; ++lane) {
+      const Index x = first + lane;
+      found[lane] = lane < count && find_frame_in_space(x);
+      if (!found[lane]) {
+        fits_.leave_out(lane);
+        continue;
+      }
+      out.tangent_share[x] = share_of_triangles(x);
+      fits_.set_sample(lane, samples_.point(x), scales_[x], frame_.data());
+      const Index* near = neighborhoods_.of(x);
+      for (Index i = 0; i < wide_; ++i) {
+        fits_.set_neighbor(lane, i, samples_.point(near[i]));
+      }
+    }
+    fits_.fit();
+    for (int lane = 0; lane < count; ++lane) {
+      if (found[lane]) {
+        const Index x = first + lane;
+        out.scatter[x] = fits_.scatter(lane);
+        out.wide_scatter[x] = fits_.wide_scatter(lane);
+        out.curvature[x] = fits_.curvature(lane);
+        out.reach[x] = fits_.reach(lane);
+      }
+    }
+  }
+
+  void measure_any(Index x, SamplingQuality& out) {
+    expect(x);
+    if (!load(x)) {
       return;
     }
     quadrics_.fit(tangents_, normals_, narrow_);
@@ -401,7 +455,7 @@ class QualityKernel {
     // The largest of fractions, divided once.
     double rise = 0;
     double square = 1;
-    const double least = kNearest * kNearest * scales_[x] * scales_[x];
+    const double least = detail::kNearest * detail::kNearest * scales_[x] * scales_[x];
     for (Eigen::Index i = 0; i < wide_; ++i) {
       const double normal = squared_length(normals_, i);
       if (squares_[i] >= least &&
@@ -412,20 +466,9 @@ class QualityKernel {
     }
     const double inverse = 2 * std::sqrt(rise) / square;
     // Rounding is not curvature.
-    out.reach[x] = inverse * scales_[x] > kFlat ? 1 / inverse : kInfinity;
-    out.tangent_share[x] = kFew ? share_of_triangles(x) : share_of_star(x);
+    out.reach[x] = inverse * scales_[x] > detail::kFlat ? 1 / inverse : kInfinity;
+    out.tangent_share[x] = share_of_star(x);
   }
-
- private:
-  static constexpr double kFlat = 1e-7;
-  static constexpr Index kAhead = 8;  // samples whose tangent spaces are under way
-  /// Surfaces in space: vectors are looked up nowhere, and have one normal coordinate.
-  static constexpr bool kFew = K == 2 && D == 3;
-  using Frame = typename detail::FrameFit<K, D>::Frame;
-  using Square = Eigen::Matrix<double, K, K, 0, K == Eigen::Dynamic ? kMaxDim : K,
-                               K == Eigen::Dynamic ? kMaxDim : K>;
-
-  int dim() const { return K == Eigen::Dynamic ? dim_ : K; }
 
   static double squared_length(const Columns& rows, Eigen::Index i) {
     double sum = 0;
@@ -435,13 +478,13 @@ class QualityKernel {
     return sum;
   }
 
-  /// The neighborhood in the frame, of a surface in space.
   /// \returns false where there is no frame
-  bool load_few(Index x) {
-    const double* px = samples_.point(x);
+  bool find_frame_in_space(Index x) {
+    expect(x);
     if (tangents_given_ != nullptr) {
       take_frame(x, 3);
     } else {
+      const double* px = samples_.point(x);
       frame_fit_.resize(narrow_, 3);
       for (Index i = 0; i < narrow_; ++i) {
         const double* pq = samples_.point(neighborhoods_.of(x)[i]);
@@ -454,32 +497,12 @@ class QualityKernel {
       }
       frame_ = frame_fit_.frame();
     }
-    if (std::isnan(frame_(0, 0))) {
-      return false;
-    }
-    const double a[3] = {frame_(0, 0), frame_(0, 1), frame_(0, 2)};
-    const double b[3] = {frame_(1, 0), frame_(1, 1), frame_(1, 2)};
-    const double c[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
-                         a[0] * b[1] - a[1] * b[0]};
-    tangents_.resize(wide_, 2);
-    normals_.resize(wide_, 1);
-    squares_.resize(wide_);
-    double* const first = tangents_.data();
-    double* const second = first + wide_;
-    double* const normal = normals_.data();
-    for (Index i = 0; i < wide_; ++i) {
-      const double* pq = samples_.point(neighborhoods_.of(x)[i]);
-      const double v[3] = {pq[0] - px[0], pq[1] - px[1], pq[2] - px[2]};
-      first[i] = v[0] * a[0] + v[1] * a[1] + v[2] * a[2];
-      second[i] = v[0] * b[0] + v[1] * b[1] + v[2] * b[2];
-      normal[i] = v[0] * c[0] + v[1] * c[1] + v[2] * c[2];
-      squares_[i] = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-    }
-    return true;
+    return !std::isnan(frame_(0, 0));
   }
 
-  /// The same with the vectors to adjacent samples behind it, in any dimension.
-  bool load_any(Index x) {
+  /// The neighborhood in the frame, with the vectors to adjacent samples behind it.
+  /// \returns false where there is no frame
+  bool load(Index x) {
     list_.assign(neighborhoods_.of(x), neighborhoods_.of(x) + wide_);
     places_.clear();
     for (Offset i = result_.adjacent.offsets[x]; i < result_.adjacent.offsets[x + 1];
@@ -536,9 +559,10 @@ class QualityKernel {
     }
   }
 
-  /// Tangent spaces by input number lie all over memory.
+  /// Tangent spaces by input number lie all over memory: that of a sample soon to come.
   void expect(Index x) const {
-    if (tangents_given_ != nullptr) {
+    x += kAhead;
+    if (tangents_given_ != nullptr && x < samples_.size()) {
       const double* frame =
           tangents_given_ + static_cast<std::size_t>(samples_.input_index(x)) * dim_ *
                                 samples_.ambient_dim();
@@ -746,6 +770,7 @@ class QualityKernel {
   detail::FrameFit<K, D> frame_fit_;
   Frame frame_;
   Quadrics<K> quadrics_;
+  detail::SurfaceFits fits_;
   std::vector<Index> list_;      // neighbors, then adjacent samples that are none
   std::vector<Offset> places_;   // of the adjacent ones in it
   std::vector<double> squares_;  // of the vectors to the neighbors
@@ -991,9 +1016,10 @@ SamplingQuality measure_quality(const Samples& samples, const NeighborSearch& se
     detail::for_each_block_uncounted(n, kGroup, execution,
                                      [&](Offset begin, Offset end) {
                                        kernels.use([&](Kernel& kernel) {
-                                         for (Offset i = begin; i < end; ++i) {
-                                           const auto x = static_cast<Index>(i);
-                                           kernel.measure(x, out);
+                                         const auto first = static_cast<Index>(begin);
+                                         const auto last = static_cast<Index>(end);
+                                         kernel.measure(first, last, out);
+                                         for (Index x = first; x < last; ++x) {
                                            shape.write(x, out);
                                          }
                                        });
