@@ -5,6 +5,7 @@
 // where they end before the ball does.
 #pragma once
 
+#include "neighbors/near_candidates.hpp"
 #include "neighbors/neighbor_search.hpp"
 #include "remanifold/samples.hpp"
 
@@ -130,34 +131,35 @@ class SharedCandidates {
   static constexpr double kLikely = 1.2;     // reach of most members, likewise
   static constexpr double kAdapt = 0.125;
   static constexpr std::size_t kMostPerNeighbor = 20;
-  static constexpr std::size_t kLanes = 4;
+  static constexpr std::size_t kLanes = 8;
 
   /// As detail::squared_distance() sums in few coordinates.
   void measure(const double* p) {
-    const std::size_t n = candidates_.size();
-    squared_distances_.assign(n, 0.0);
-    double* sums = squared_distances_.data();
+    squared_distances_.assign(candidates_.size(), 0.0);
+    const auto n = static_cast<Index>(candidates_.size());
     for (std::size_t j = 0; j < coordinates_.size(); ++j) {
-      const double* axis = coordinates_[j].data();
-      const double position = p[j];
-      for (std::size_t i = 0; i < n; ++i) {
-        const double difference = position - axis[i];
-        sums[i] += difference * difference;
-      }
+      add_squared_differences(p[j], coordinates_[j].data(), n,
+                              squared_distances_.data());
     }
   }
 
   /// The `count` nearest of those no farther than the limit, where there are so many.
   bool select(Index x, Index count, double limit, std::vector<Neighbor>& out) {
-    const std::size_t n = candidates_.size();
-    out.resize(n + 1);
-    std::size_t found = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-      out[found] = {squared_distances_[i], candidates_[i]};
-      found += static_cast<std::size_t>((squared_distances_[i] <= limit) &
-                                        (candidates_[i] != x));
+    const auto n = static_cast<Index>(candidates_.size());
+    places_.resize(candidates_.size() + kPickSlack);
+    const Index picked = pick_near(squared_distances_.data(), n, limit, places_.data());
+    // x is one of them.
+    if (picked - 1 < count) {
+      return false;
     }
-    out.resize(found);
+    list_.resize(static_cast<std::size_t>(picked));
+    std::size_t found = 0;
+    for (Index i = 0; i < picked; ++i) {
+      const Index place = places_[i];
+      list_[found] = {squared_distances_[place], candidates_[place]};
+      found += static_cast<std::size_t>(candidates_[place] != x);
+    }
+    list_.resize(found);
     if (static_cast<Index>(found) < count) {
       return false;
     }
@@ -169,27 +171,25 @@ class SharedCandidates {
   /// By rank: so few are sorted fastest without a branch that nobody can predict. Ranks
   /// by rounded distances leave little to the exact order.
   void sort(std::vector<Neighbor>& list) {
-    const std::size_t n = list.size();
+    const std::size_t n = list_.size();
     const std::size_t padded = (n + kLanes - 1) / kLanes * kLanes;
-    keys_.assign(padded, std::numeric_limits<float>::infinity());
+    keys_.resize(padded);
+    ranks_.resize(padded);
     for (std::size_t i = 0; i < n; ++i) {
-      keys_[i] = static_cast<float>(list[i].squared_distance);
+      keys_[i] = static_cast<float>(list_[i].squared_distance);
     }
-    sorted_.assign(n, {0.0, -1});
+    std::fill(keys_.begin() + static_cast<std::ptrdiff_t>(n), keys_.end(),
+              std::numeric_limits<float>::infinity());
+    rank_keys(keys_.data(), static_cast<Index>(padded), ranks_.data());
+    list.assign(n, {0.0, -1});
     bool distinct = true;
     for (std::size_t i = 0; i < n; ++i) {
-      std::int32_t lanes[kLanes] = {};
-      for (std::size_t j = 0; j < padded; j += kLanes) {
-        for (std::size_t lane = 0; lane < kLanes; ++lane) {
-          lanes[lane] -= keys_[j + lane] < keys_[i] ? -1 : 0;
-        }
-      }
-      const std::int32_t rank = (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]);
-      distinct = distinct && sorted_[rank].index < 0;
-      sorted_[rank] = list[i];
+      Neighbor& place = list[ranks_[i]];
+      distinct = distinct && place.index < 0;
+      place = list_[i];
     }
-    if (distinct) {
-      list.swap(sorted_);
+    if (!distinct) {
+      list = list_;
     }
     for (std::size_t i = 1; i < n; ++i) {
       const Neighbor candidate = list[i];
@@ -216,7 +216,9 @@ class SharedCandidates {
   std::vector<std::vector<double>> coordinates_;  // of the candidates, axis by axis
   std::vector<double> squared_distances_;
   std::vector<float> keys_;
-  std::vector<Neighbor> sorted_;
+  std::vector<std::int32_t> ranks_;
+  std::vector<Index> places_;   // among the candidates
+  std::vector<Neighbor> list_;  // of those near enough
 };
 
 }  // namespace remanifold::detail

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Compiled once for each instruction set, with everything inlined into functions of this
+// file.
+#include "neighbors/near_candidates.hpp"
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
+
+#define REMANIFOLD_INLINE inline __attribute__((always_inline))
+#if defined(__x86_64__)
+#define REMANIFOLD_AVX2 __attribute__((target("avx2")))
+#endif
+
+namespace remanifold::detail {
+namespace {
+
+constexpr Index kKeys = 8;
+using Keys = float __attribute__((vector_size(32)));
+using Ranks = std::int32_t __attribute__((vector_size(32)));
+// Not by using: Clang would not heed the alignment there.
+typedef float LooseKeys __attribute__((vector_size(32), aligned(4), may_alias));
+typedef std::int32_t LooseRanks __attribute__((vector_size(32), aligned(4), may_alias));
+
+REMANIFOLD_INLINE void add_squares(double position, const double* axis, Index count,
+                                   double* sums) {
+  for (Index i = 0; i < count; ++i) {
+    const double difference = position - axis[i];
+    sums[i] += difference * difference;
+  }
+}
+
+/// Of kBlocks vectors of keys from `first` on: the sums stay in registers.
+template <int kBlocks>
+REMANIFOLD_INLINE void rank_blocks(const float* keys, Index count, Index first,
+                                   std::int32_t* ranks) {
+  Keys own[kBlocks];
+  Ranks less[kBlocks] = {};
+#pragma GCC unroll 4
+  for (int b = 0; b < kBlocks; ++b) {
+    own[b] = *reinterpret_cast<const LooseKeys*>(keys + first + b * kKeys);
+  }
+  for (Index j = 0; j < count; ++j) {
+    const float k = keys[j];
+    const Keys key = {k, k, k, k, k, k, k, k};
+#pragma GCC unroll 4
+    for (int b = 0; b < kBlocks; ++b) {
+      less[b] -= key < own[b];
+    }
+  }
+#pragma GCC unroll 4
+  for (int b = 0; b < kBlocks; ++b) {
+    *reinterpret_cast<LooseRanks*>(ranks + first + b * kKeys) = less[b];
+  }
+}
+
+/// \tparam kBlocks  as many as there are registers for
+template <int kBlocks>
+REMANIFOLD_INLINE void rank_all(const float* keys, Index count, std::int32_t* ranks) {
+  Index first = 0;
+  for (; first + kBlocks * kKeys <= count; first += kBlocks * kKeys) {
+    rank_blocks<kBlocks>(keys, count, first, ranks);
+  }
+  for (; first < count; first += kKeys) {
+    rank_blocks<1>(keys, count, first, ranks);
+  }
+}
+
+void add_squares_plain(double position, const double* axis, Index count, double* sums) {
+  add_squares(position, axis, count, sums);
+}
+
+Index pick_plain(const double* values, Index count, double limit, Index* places) {
+  Index found = 0;
+  for (Index i = 0; i < count; ++i) {
+    places[found] = i;
+    found += static_cast<Index>(values[i] <= limit);
+  }
+  return found;
+}
+
+void rank_plain(const float* keys, Index count, std::int32_t* ranks) {
+  rank_all<2>(keys, count, ranks);
+}
+
+#if defined(__x86_64__)
+REMANIFOLD_AVX2 void add_squares_avx2(double position, const double* axis, Index count,
+                                      double* sums) {
+  add_squares(position, axis, count, sums);
+}
+
+REMANIFOLD_AVX2 void rank_avx2(const float* keys, Index count, std::int32_t* ranks) {
+  rank_all<4>(keys, count, ranks);
+}
+
+/// For each set of four lanes, these lanes first: bytes of 32-bit numbers.
+struct Compress {
+  alignas(16) std::int8_t bytes[16][16];
+  constexpr Compress() : bytes() {
+    for (int mask = 0; mask < 16; ++mask) {
+      int to = 0;
+      for (int lane = 0; lane < 4; ++lane) {
+        if ((mask >> lane & 1) != 0) {
+          for (int byte = 0; byte < 4; ++byte) {
+            bytes[mask][4 * to + byte] = static_cast<std::int8_t>(4 * lane + byte);
+          }
+          ++to;
+        }
+      }
+    }
+  }
+};
+constexpr Compress kCompress;
+
+REMANIFOLD_AVX2 Index pick_avx2(const double* values, Index count, double limit,
+                                Index* places) {
+  const __m256d most = _mm256_set1_pd(limit);
+  const __m128i four = _mm_set1_epi32(4);
+  __m128i numbers = _mm_setr_epi32(0, 1, 2, 3);
+  Index found = 0;
+  Index i = 0;
+  for (; i + 4 <= count; i += 4) {
+    const int mask = _mm256_movemask_pd(
+        _mm256_cmp_pd(_mm256_loadu_pd(values + i), most, _CMP_LE_OQ));
+    const __m128i order =
+        _mm_load_si128(reinterpret_cast<const __m128i*>(kCompress.bytes[mask]));
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(places + found),
+                     _mm_shuffle_epi8(numbers, order));
+    found += __builtin_popcount(static_cast<unsigned>(mask));
+    numbers = _mm_add_epi32(numbers, four);
+  }
+  for (; i < count; ++i) {
+    places[found] = i;
+    found += static_cast<Index>(values[i] <= limit);
+  }
+  return found;
+}
+#endif
+
+struct Functions {
+  decltype(&add_squares_plain) add = add_squares_plain;
+  decltype(&pick_plain) pick = pick_plain;
+  decltype(&rank_plain) rank = rank_plain;
+};
+
+Functions choose() {
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx2")) {
+    return {add_squares_avx2, pick_avx2, rank_avx2};
+  }
+#endif
+  return {};
+}
+
+const Functions& functions() {
+  static const Functions chosen = choose();
+  return chosen;
+}
+
+}  // namespace
+
+void add_squared_differences(double position, const double* axis, Index count,
+                             double* sums) {
+  functions().add(position, axis, count, sums);
+}
+
+Index pick_near(const double* values, Index count, double limit, Index* places) {
+  return functions().pick(values, count, limit, places);
+}
+
+void rank_keys(const float* keys, Index count, std::int32_t* ranks) {
+  functions().rank(keys, count, ranks);
+}
+
+}  // namespace remanifold::detail
