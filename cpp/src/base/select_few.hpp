@@ -3,6 +3,8 @@
 // costs no branch that nobody can predict, as partitioning does.
 #pragma once
 
+#include "base/rank_few.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -24,55 +26,34 @@ class FewSelector {
       std::nth_element(values.begin(), at, values.end());
       return *at;
     }
-    const std::size_t padded = (count + kLanes - 1) / kLanes * kLanes;
-    std::fill(keys_.begin(), keys_.begin() + static_cast<std::ptrdiff_t>(padded),
-              std::numeric_limits<float>::infinity());
+    const std::size_t padded =
+        (count + kRankedTogether - 1) / kRankedTogether * kRankedTogether;
     for (std::size_t i = 0; i < count; ++i) {
       keys_[i] = static_cast<float>(values[i]);
     }
-    float low = -std::numeric_limits<float>::infinity();
-    float high = std::numeric_limits<float>::infinity();
-    for (std::size_t i = 0; i < count; ++i) {
-      const float key = keys_[i];
-      if (key <= low || key >= high) {
-        continue;
-      }
-      const auto [below, up_to] = count_around(key, padded);
-      if (below > rank) {
-        high = key;
-      } else if (up_to <= rank) {
-        low = key;
-      } else {
-        return among_equal(values, key, rank - below);
-      }
+    for (std::size_t i = count; i < padded; ++i) {
+      keys_[i] = std::numeric_limits<float>::infinity();
     }
-    // Infinite or of no float.
-    const auto at = values.begin() + static_cast<std::ptrdiff_t>(rank);
-    std::nth_element(values.begin(), at, values.end());
-    return *at;
+    rank_few(keys_.data(), static_cast<Index>(padded), ranks_.data());
+    // Equal keys have the rank of the first of them.
+    const auto wanted = static_cast<std::int32_t>(rank);
+    std::int32_t below = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      below = std::max(below, ranks_[i] <= wanted ? ranks_[i] : 0);
+    }
+    std::size_t place = 0;
+    std::size_t equal = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      place = ranks_[i] == below ? i : place;
+      equal += ranks_[i] == below ? 1 : 0;
+    }
+    return equal == 1 ? values[place]
+                      : among_equal(values, keys_[place],
+                                    rank - static_cast<std::size_t>(below));
   }
 
  private:
   static constexpr std::size_t kMost = 64;
-  static constexpr std::size_t kLanes = 4;
-
-  struct Counts {
-    std::size_t below;
-    std::size_t up_to;
-  };
-
-  Counts count_around(float key, std::size_t padded) const {
-    std::int32_t below[kLanes] = {};
-    std::int32_t up_to[kLanes] = {};
-    for (std::size_t j = 0; j < padded; j += kLanes) {
-      for (std::size_t lane = 0; lane < kLanes; ++lane) {
-        below[lane] -= keys_[j + lane] < key ? -1 : 0;
-        up_to[lane] -= keys_[j + lane] <= key ? -1 : 0;
-      }
-    }
-    return {static_cast<std::size_t>((below[0] + below[1]) + (below[2] + below[3])),
-            static_cast<std::size_t>((up_to[0] + up_to[1]) + (up_to[2] + up_to[3]))};
-  }
 
   /// Values that are the same float are told apart as they are.
   double among_equal(std::vector<double>& values, float key, std::size_t rank) {
@@ -91,6 +72,7 @@ class FewSelector {
   }
 
   std::array<float, kMost> keys_{};
+  std::array<std::int32_t, kMost> ranks_{};
 };
 
 }  // namespace remanifold::detail

@@ -231,7 +231,16 @@ double SimplexRuler::fold(const Index* facet, int arity, Index apex,
   double first = product(apex, apex);
   double second = product(other_apex, other_apex);
   double both = product(apex, other_apex);
-  if (dim > 0) {
+  if (dim == 1) {
+    const double square = product(facet[1], facet[1]);
+    const double to_first = product(facet[1], apex);
+    const double to_second = product(facet[1], other_apex);
+    if (square > std::numeric_limits<double>::min()) {
+      first -= to_first / square * to_first;
+      second -= to_second / square * to_second;
+      both -= to_first / square * to_second;
+    }
+  } else if (dim > 1) {
     Small gram(dim, dim);
     SmallVector to_first(dim);
     SmallVector to_second(dim);

@@ -15,54 +15,11 @@
 namespace remanifold::detail {
 namespace {
 
-constexpr Index kKeys = 8;
-using Keys = float __attribute__((vector_size(32)));
-using Ranks = std::int32_t __attribute__((vector_size(32)));
-// Not by using: Clang would not heed the alignment there.
-typedef float LooseKeys __attribute__((vector_size(32), aligned(4), may_alias));
-typedef std::int32_t LooseRanks __attribute__((vector_size(32), aligned(4), may_alias));
-
 REMANIFOLD_INLINE void add_squares(double position, const double* axis, Index count,
                                    double* sums) {
   for (Index i = 0; i < count; ++i) {
     const double difference = position - axis[i];
     sums[i] += difference * difference;
-  }
-}
-
-/// Of kBlocks vectors of keys from `first` on: the sums stay in registers.
-template <int kBlocks>
-REMANIFOLD_INLINE void rank_blocks(const float* keys, Index count, Index first,
-                                   std::int32_t* ranks) {
-  Keys own[kBlocks];
-  Ranks less[kBlocks] = {};
-#pragma GCC unroll 4
-  for (int b = 0; b < kBlocks; ++b) {
-    own[b] = *reinterpret_cast<const LooseKeys*>(keys + first + b * kKeys);
-  }
-  for (Index j = 0; j < count; ++j) {
-    const float k = keys[j];
-    const Keys key = {k, k, k, k, k, k, k, k};
-#pragma GCC unroll 4
-    for (int b = 0; b < kBlocks; ++b) {
-      less[b] -= key < own[b];
-    }
-  }
-#pragma GCC unroll 4
-  for (int b = 0; b < kBlocks; ++b) {
-    *reinterpret_cast<LooseRanks*>(ranks + first + b * kKeys) = less[b];
-  }
-}
-
-/// \tparam kBlocks  as many as there are registers for
-template <int kBlocks>
-REMANIFOLD_INLINE void rank_all(const float* keys, Index count, std::int32_t* ranks) {
-  Index first = 0;
-  for (; first + kBlocks * kKeys <= count; first += kBlocks * kKeys) {
-    rank_blocks<kBlocks>(keys, count, first, ranks);
-  }
-  for (; first < count; first += kKeys) {
-    rank_blocks<1>(keys, count, first, ranks);
   }
 }
 
@@ -79,18 +36,10 @@ Index pick_plain(const double* values, Index count, double limit, Index* places)
   return found;
 }
 
-void rank_plain(const float* keys, Index count, std::int32_t* ranks) {
-  rank_all<2>(keys, count, ranks);
-}
-
 #if defined(__x86_64__)
 REMANIFOLD_AVX2 void add_squares_avx2(double position, const double* axis, Index count,
                                       double* sums) {
   add_squares(position, axis, count, sums);
-}
-
-REMANIFOLD_AVX2 void rank_avx2(const float* keys, Index count, std::int32_t* ranks) {
-  rank_all<4>(keys, count, ranks);
 }
 
 /// For each set of four lanes, these lanes first: bytes of 32-bit numbers.
@@ -140,13 +89,12 @@ REMANIFOLD_AVX2 Index pick_avx2(const double* values, Index count, double limit,
 struct Functions {
   decltype(&add_squares_plain) add = add_squares_plain;
   decltype(&pick_plain) pick = pick_plain;
-  decltype(&rank_plain) rank = rank_plain;
 };
 
 Functions choose() {
 #if defined(__x86_64__)
   if (__builtin_cpu_supports("avx2")) {
-    return {add_squares_avx2, pick_avx2, rank_avx2};
+    return {add_squares_avx2, pick_avx2};
   }
 #endif
   return {};
@@ -166,10 +114,6 @@ void add_squared_differences(double position, const double* axis, Index count,
 
 Index pick_near(const double* values, Index count, double limit, Index* places) {
   return functions().pick(values, count, limit, places);
-}
-
-void rank_keys(const float* keys, Index count, std::int32_t* ranks) {
-  functions().rank(keys, count, ranks);
 }
 
 }  // namespace remanifold::detail

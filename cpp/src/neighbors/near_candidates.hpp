@@ -5,8 +5,6 @@
 
 #include "remanifold/types.hpp"
 
-#include <cstdint>
-
 namespace remanifold::detail {
 
 /// Room that pick_near() takes beyond what it finds.
@@ -20,8 +18,5 @@ void add_squared_differences(double position, const double* axis, Index count,
 /// \param places  of size count + kPickSlack
 /// \returns how many there are
 Index pick_near(const double* values, Index count, double limit, Index* places);
-
-/// How many keys are less than each, of a number divisible by eight.
-void rank_keys(const float* keys, Index count, std::int32_t* ranks);
 
 }  // namespace remanifold::detail

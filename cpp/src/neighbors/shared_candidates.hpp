@@ -5,6 +5,7 @@
 // where they end before the ball does.
 #pragma once
 
+#include "base/rank_few.hpp"
 #include "neighbors/near_candidates.hpp"
 #include "neighbors/neighbor_search.hpp"
 #include "remanifold/samples.hpp"
@@ -131,7 +132,7 @@ class SharedCandidates {
   static constexpr double kLikely = 1.2;     // reach of most members, likewise
   static constexpr double kAdapt = 0.125;
   static constexpr std::size_t kMostPerNeighbor = 20;
-  static constexpr std::size_t kLanes = 8;
+  static constexpr std::size_t kTogether = kRankedTogether;
 
   /// As detail::squared_distance() sums in few coordinates.
   void measure(const double* p) {
@@ -172,7 +173,7 @@ class SharedCandidates {
   /// by rounded distances leave little to the exact order.
   void sort(std::vector<Neighbor>& list) {
     const std::size_t n = list_.size();
-    const std::size_t padded = (n + kLanes - 1) / kLanes * kLanes;
+    const std::size_t padded = (n + kTogether - 1) / kTogether * kTogether;
     keys_.resize(padded);
     ranks_.resize(padded);
     for (std::size_t i = 0; i < n; ++i) {
@@ -180,7 +181,7 @@ class SharedCandidates {
     }
     std::fill(keys_.begin() + static_cast<std::ptrdiff_t>(n), keys_.end(),
               std::numeric_limits<float>::infinity());
-    rank_keys(keys_.data(), static_cast<Index>(padded), ranks_.data());
+    rank_few(keys_.data(), static_cast<Index>(padded), ranks_.data());
     list.assign(n, {0.0, -1});
     bool distinct = true;
     for (std::size_t i = 0; i < n; ++i) {

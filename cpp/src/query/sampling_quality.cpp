@@ -299,35 +299,39 @@ Csr adjacency_of(const SimplexArray& simplices, const detail::Ragged<Offset>& st
                  const Execution& execution) {
   Csr result;
   result.offsets.assign(stars.offsets.size(), 0);
-  // Once for the numbers, once for the vertices.
-  const auto go_through = [&](const auto& take) {
-    detail::for_each_block_uncounted(
-        stars.rows(), kBlock, execution, [&](Offset begin, Offset end) {
-          std::vector<Index> others;
-          for (Offset v = begin; v < end; ++v) {
-            others.clear();
-            for (const Offset* s = stars.begin(v); s != stars.end(v); ++s) {
-              for (int i = 0; i < simplices.arity; ++i) {
-                if (simplices[*s][i] != v) {
-                  others.push_back(simplices[*s][i]);
-                }
+  // Block by block, and then one behind the other.
+  const Offset rows = stars.rows();
+  std::vector<std::vector<Index>> blocks(
+      static_cast<std::size_t>((rows + kBlock - 1) / kBlock));
+  detail::for_each_block_uncounted(
+      rows, kBlock, execution, [&](Offset begin, Offset end) {
+        std::vector<Index>& all = blocks[begin / kBlock];
+        std::vector<Index> others;
+        for (Offset v = begin; v < end; ++v) {
+          others.clear();
+          for (const Offset* s = stars.begin(v); s != stars.end(v); ++s) {
+            for (int i = 0; i < simplices.arity; ++i) {
+              if (simplices[*s][i] != v) {
+                others.push_back(simplices[*s][i]);
               }
             }
-            detail::sort_few(others.begin(), others.end(), std::less<>());
-            others.erase(std::unique(others.begin(), others.end()), others.end());
-            take(v, others);
           }
-        });
-  };
-  go_through([&](Offset v, const std::vector<Index>& others) {
-    result.offsets[v + 1] = static_cast<Offset>(others.size());
-  });
+          detail::sort_few(others.begin(), others.end(), std::less<>());
+          others.erase(std::unique(others.begin(), others.end()), others.end());
+          result.offsets[v + 1] = static_cast<Offset>(others.size());
+          all.insert(all.end(), others.begin(), others.end());
+        }
+      });
   std::partial_sum(result.offsets.begin(), result.offsets.end(),
                    result.offsets.begin());
   result.indices.resize(result.offsets.back());
-  go_through([&](Offset v, const std::vector<Index>& others) {
-    std::copy(others.begin(), others.end(), result.indices.begin() + result.offsets[v]);
-  });
+  detail::for_each_block_uncounted(
+      rows, kBlock, execution, [&](Offset begin, Offset /*end*/) {
+        std::vector<Index>& all = blocks[begin / kBlock];
+        std::copy(all.begin(), all.end(),
+                  result.indices.begin() + result.offsets[begin]);
+        all = {};
+      });
   return result;
 }
 
