@@ -80,12 +80,35 @@ class Samples {
   const double* point(Index i) const {
     return points_.get() + static_cast<std::size_t>(i) * ambient_dim_;
   }
-  double squared_distance(Index a, Index b) const;
+  double squared_distance(Index a, Index b) const {
+    if (!in_space()) {
+      return any_squared_distance(a, b);
+    }
+    const double* pa = point(a);
+    const double* pb = point(b);
+    const double d[3] = {pa[0] - pb[0], pa[1] - pb[1], pa[2] - pb[2]};
+    return d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+  }
   /// <a - x, b - x>
-  double inner_product(Index x, Index a, Index b) const;
+  double inner_product(Index x, Index a, Index b) const {
+    if (!in_space()) {
+      return any_inner_product(x, a, b);
+    }
+    const double* px = point(x);
+    const double* pa = point(a);
+    const double* pb = point(b);
+    return (pa[0] - px[0]) * (pb[0] - px[0]) + (pa[1] - px[1]) * (pb[1] - px[1]) +
+           (pa[2] - px[2]) * (pb[2] - px[2]);
+  }
 
  private:
   enum class Kind { kPoints, kGram, kDistances };
+  /// What most samples are and looked at all the time: points with three coordinates.
+  bool in_space() const {
+    return ambient_dim_ == 3 && kind_ == Kind::kPoints && neighborhoods_ == nullptr;
+  }
+  double any_squared_distance(Index a, Index b) const;
+  double any_inner_product(Index x, Index a, Index b) const;
   static Samples from_points(MatrixView points,
                              std::shared_ptr<const GlobalStatistics> whole,
                              const Execution& execution);

@@ -100,14 +100,31 @@ std::vector<Offset> row_order(const SimplexArray& simplices,
 SimplexArray sorted_unique(const SimplexArray& simplices, const Execution& execution) {
   const int arity = simplices.arity;
   const std::vector<Offset> order = row_order(simplices, execution);
-  SimplexArray result{arity, {}};
-  result.vertices.reserve(simplices.vertices.size());
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const Index* row = simplices[order[i]];
-    if (i == 0 || !row_equal(row, simplices[order[i - 1]], arity)) {
-      append_row(result, row);
+  const auto count = static_cast<Offset>(order.size());
+  // How many rows of a block are not like those before them, then where these go.
+  std::vector<Offset> starts(static_cast<std::size_t>((count + kBlock - 1) / kBlock) + 1,
+                             0);
+  const auto is_new = [&](Offset i) {
+    return i == 0 || !row_equal(simplices[order[i]], simplices[order[i - 1]], arity);
+  };
+  for_each_block_uncounted(count, kBlock, execution, [&](Offset begin, Offset end) {
+    Offset kept = 0;
+    for (Offset i = begin; i < end; ++i) {
+      kept += is_new(i) ? 1 : 0;
     }
-  }
+    starts[begin / kBlock + 1] = kept;
+  });
+  std::partial_sum(starts.begin(), starts.end(), starts.begin());
+  SimplexArray result{arity, {}};
+  result.vertices.resize(static_cast<std::size_t>(starts.back()) * arity);
+  for_each_block_uncounted(count, kBlock, execution, [&](Offset begin, Offset end) {
+    Index* to = result.vertices.data() + starts[begin / kBlock] * arity;
+    for (Offset i = begin; i < end; ++i) {
+      if (is_new(i)) {
+        to = std::copy_n(simplices[order[i]], arity, to);
+      }
+    }
+  });
   return result;
 }
 

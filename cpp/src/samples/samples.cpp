@@ -487,7 +487,7 @@ Samples Samples::knowing(const Neighborhoods& neighborhoods) const {
   return result;
 }
 
-double Samples::squared_distance(Index a, Index b) const {
+double Samples::any_squared_distance(Index a, Index b) const {
   if (neighborhoods_ != nullptr) {
     return detail::KnownDistances(*this, *neighborhoods_)(a, b);
   }
@@ -508,7 +508,7 @@ double Samples::squared_distance(Index a, Index b) const {
   return squared <= detail::kGramCoincidence * norms ? 0.0 : squared;
 }
 
-double Samples::inner_product(Index x, Index a, Index b) const {
+double Samples::any_inner_product(Index x, Index a, Index b) const {
   if (kind_ == Kind::kPoints && neighborhoods_ == nullptr) {
     const double* px = point(x);
     const double* pa = point(a);
