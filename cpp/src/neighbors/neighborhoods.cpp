@@ -217,6 +217,7 @@ class FlannSearch final : public NeighborSearch::Implementation {
           Ball ball(shared_);
           search_.index_->findNeighbors(ball, shared_.center(),
                                         search_.search_parameters_);
+          shared_.load();
         }
         if (shared_.contains(x) && shared_.nearest(x, count, out)) {
           shared_.observe(out.back().squared_distance);

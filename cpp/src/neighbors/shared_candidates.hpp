@@ -79,9 +79,6 @@ class SharedCandidates {
     }
     radius_ = std::sqrt(squared_spread) + kMargin * reach_;
     candidates_.clear();
-    for (std::vector<double>& axis : coordinates_) {
-      axis.clear();
-    }
     return true;
   }
 
@@ -97,11 +94,19 @@ class SharedCandidates {
       return false;
     }
     candidates_.push_back(sample);
-    const double* p = samples_.point(sample);
-    for (std::size_t j = 0; j < coordinates_.size(); ++j) {
-      coordinates_[j].push_back(p[j]);
-    }
     return true;
+  }
+
+  /// When all samples of the ball are there.
+  void load() {
+    const std::size_t n = candidates_.size();
+    for (std::size_t j = 0; j < coordinates_.size(); ++j) {
+      coordinates_[j].resize(n);
+      double* axis = coordinates_[j].data();
+      for (std::size_t i = 0; i < n; ++i) {
+        axis[i] = samples_.point(candidates_[i])[j];
+      }
+    }
   }
 
   /// The `count` nearest others of a member, in order.
