@@ -21,6 +21,7 @@ except ImportError as error:
     )
     raise ImportError(_HINT) from error
 
+import remanifold._public  # noqa: F401  (results are pickled by their public names)
 from remanifold._base.deprecated import renamed
 from remanifold._base.validation import check_int, check_num_threads, check_samples
 from remanifold.method.dimension import (

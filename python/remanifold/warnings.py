@@ -58,3 +58,8 @@ class TransposedWarning(RemanifoldWarning):
 def __dir__() -> list[str]:
     """Public names only."""
     return sorted({*__all__, *(name for name in globals() if name.startswith("__"))})
+
+
+# Filters and messages name them by where users find them, whatever else is loaded.
+for _name in __all__:
+    globals()[_name].__module__ = "remanifold"

@@ -881,12 +881,44 @@ MODULES = [
 ]
 
 
-def test_import_is_light():
-    script = "import sys, remanifold; print(*sys.modules)"
+def modules_after(script):
+    script += "; import sys; print(*sys.modules)"
     done = subprocess.run(
         [sys.executable, "-c", script], capture_output=True, text=True, check=True
     )
-    loaded = done.stdout.split()
+    return done.stdout.split()
+
+
+def test_import_alone_loads_the_core_and_nothing_else():
+    loaded = modules_after("import remanifold; remanifold.__version__")
+    assert "remanifold._core" in loaded
+    rooms = {name for name in loaded if name.startswith("remanifold.")}
+    assert rooms == {"remanifold._core"}
+    assert "numpy" not in loaded
+
+
+@pytest.mark.parametrize(
+    "first",
+    [
+        "from remanifold import *; reconstruct",
+        "import remanifold; remanifold.complex",  # a room rather than a name
+        "from remanifold import io",
+        "import remanifold; remanifold.__all__",
+        "import remanifold; dir(remanifold)",
+        "import remanifold.sklearn",
+    ],
+)
+def test_whatever_is_asked_for_first_loads_all_names(first):
+    assert "remanifold._public" in modules_after(first)
+
+
+def test_names_that_are_none_are_refused():
+    with pytest.raises(AttributeError, match="no attribute 'recon'"):
+        _ = rm.recon
+
+
+def test_loading_all_names_is_light():
+    loaded = modules_after("import remanifold; remanifold.reconstruct")
     assert "remanifold.method.steps" in loaded
     heavy = {"typer", "click", "rich", "meshio", "gudhi", "matplotlib", "scipy"}
     heavy |= {"sklearn", "potpourri3d"}
@@ -895,6 +927,7 @@ def test_import_is_light():
 
 
 def test_all_is_complete():
+    assert rm.reconstruct  # whichever test comes first
     public = {
         name
         for name, value in vars(rm).items()

@@ -8,47 +8,81 @@ MESH POINTS`` finds the nearest points of a mesh, ``remanifold report`` writes a
 takes standard output the report goes to standard error too. Exit codes: 0 done, 1 the run
 or a file failed, 2 wrong usage, 130 interrupted.
 
-Each command is a function in a module of its own; here they are given their names.
+Each command is a function in a module of its own, which is loaded where it is run.
 """
 
 from __future__ import annotations
 
+import importlib
 import os
 import sys
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
 
 import remanifold as rm
-from remanifold.cli import (
-    convert,
-    dimension,
-    info,
-    project,
-    reconstruct,
-    report,
-    view,
-)
-from remanifold.cli._common import (
-    describe,
-    examples,
-    messages_console,
-    renamed,
-    say,
-)
+from remanifold.cli._examples import examples
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 __all__ = ["app", "main"]
 
 
+# Each in a module and by a function of this name, with the first line of its help.
+COMMANDS = {
+    "reconstruct": "Reconstruct a manifold and write it.",
+    "dimension": "Estimate the dimension of the manifold.",
+    "info": "Tell what a file of points or a mesh holds.",
+    "convert": "Write points or a mesh in another format.",
+    "report": "Reconstruct a manifold, or take a saved result, and make a page of it.",
+    "project": "Find the nearest points of a mesh.",
+    "view": "Draw a mesh, in a window or to a file.",
+}
+
+
 class _Commands(TyperGroup):
-    """Says which words of a command line have other names now."""
+    """Loads a command where it is run, and its first line alone for the list of all.
+
+    Says which words of a command line have other names now.
+    """
+
+    _listing = False
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(**settings)
+        for name, line in COMMANDS.items():
+            self.commands[name] = TyperCommand(name, help=line)
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        known = super().get_command(ctx, cmd_name)
+        return known if known is None or self._listing else _command(cmd_name)
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        self._listing = True
+        try:
+            super().format_commands(ctx, formatter)
+        finally:
+            self._listing = False
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         if any(word.partition("=")[0] == "--threads" for word in args):
+            from remanifold.cli._common import renamed
+
             renamed("--threads", "--num-threads")
         parsed: list[str] = super().parse_args(ctx, args)
         return parsed
+
+
+def _command(name: str) -> Any:
+    module = importlib.import_module(f"remanifold.cli.{name}")
+    function: Callable[..., None] = getattr(module, name)
+    alone = typer.Typer(
+        add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None
+    )
+    alone.command(name, epilog=module.EPILOG)(function)
+    return typer.main.get_command(alone)
 
 
 app = typer.Typer(
@@ -82,6 +116,8 @@ def main() -> None:
                 sys.stdout.flush()
     except OSError as error:  # of standard output: commands name their files themselves
         # What is still held for it must not be tried again at exit.
+        from remanifold.cli._common import describe, messages_console, say
+
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, sys.stdout.fileno())
         say(messages_console(), f"error: standard output: {describe(error)}", "red")
@@ -104,15 +140,3 @@ def _root(
     ] = False,
 ) -> None:
     pass
-
-
-for module, command in (
-    (reconstruct, reconstruct.reconstruct),
-    (dimension, dimension.dimension),
-    (info, info.info),
-    (convert, convert.convert),
-    (report, report.report),
-    (project, project.project),
-    (view, view.view),
-):
-    app.command(epilog=module.EPILOG)(command)

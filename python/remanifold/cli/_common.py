@@ -64,11 +64,6 @@ def choice(
     )
 
 
-def examples(*lines: str) -> str:
-    """Give what the help of a command ends with; its lines stay as they are."""
-    return "\n".join(["\b", "Examples:", *(f"  {line}" for line in lines)])
-
-
 def listed(suffixes: Iterable[str]) -> str:
     """Formats for the help of a command: ".ply, .obj or .off"."""
     *first, end = suffixes

@@ -15,7 +15,6 @@ from remanifold.cli._common import (
     ColumnsOption,
     FormatOption,
     OutputFormatOption,
-    examples,
     failures,
     listed,
     messages_console,
@@ -24,6 +23,7 @@ from remanifold.cli._common import (
     say,
     split_formats,
 )
+from remanifold.cli._examples import examples
 from remanifold.complex.topology import simplex_names
 from remanifold.formats._mesh import FileMesh, choose_simplices, without_degenerate
 from remanifold.formats._source import described, is_standard, suffix_of

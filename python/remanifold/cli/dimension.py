@@ -19,7 +19,6 @@ from remanifold.cli._common import (
     JsonOption,
     ThreadsOption,
     check_invalid,
-    examples,
     failures,
     messages_console,
     print_report,
@@ -29,6 +28,7 @@ from remanifold.cli._common import (
     split_formats,
     timed,
 )
+from remanifold.cli._examples import examples
 from remanifold.method.dimension import LOW_CONFIDENCE, SMALLEST_SCALE, low_confidence
 
 EPILOG = examples(

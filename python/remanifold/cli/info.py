@@ -19,7 +19,6 @@ from remanifold.cli._common import (
     FormatOption,
     JsonOption,
     ThreadsOption,
-    examples,
     failures,
     is_saved_result,
     messages_console,
@@ -29,6 +28,7 @@ from remanifold.cli._common import (
     say,
     split_formats,
 )
+from remanifold.cli._examples import examples
 from remanifold.complex.topology import simplex_names
 from remanifold.formats._mesh import (
     FileMesh,

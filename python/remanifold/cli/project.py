@@ -16,7 +16,6 @@ from remanifold.cli._common import (
     JsonOption,
     OutputFormatOption,
     ThreadsOption,
-    examples,
     failures,
     listed,
     messages_console,
@@ -27,6 +26,7 @@ from remanifold.cli._common import (
     split_formats,
     timed,
 )
+from remanifold.cli._examples import examples
 from remanifold.complex.topology import simplex_names
 from remanifold.formats._source import is_standard
 from remanifold.formats.reading import WITH_SIMPLICES

@@ -20,7 +20,6 @@ from remanifold.cli._common import (
     OutputFormatOption,
     ThreadsOption,
     choice,
-    examples,
     failures,
     listed,
     messages_console,
@@ -31,6 +30,7 @@ from remanifold.cli._common import (
     split_formats,
     timed,
 )
+from remanifold.cli._examples import examples
 from remanifold.cli._options import (
     Boundary,
     Checks,

@@ -17,13 +17,13 @@ from remanifold.cli._common import (
     FormatOption,
     ThreadsOption,
     command_line,
-    examples,
     failures,
     is_saved_result,
     messages_console,
     refuse_same_file,
     say,
 )
+from remanifold.cli._examples import examples
 from remanifold.cli._options import (
     Boundary,
     Checks,

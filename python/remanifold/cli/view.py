@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated, cast
 import typer
 
 import remanifold as rm
-from remanifold.cli._common import choice, examples, failures, listed, messages_console
+from remanifold.cli._common import choice, failures, listed, messages_console
+from remanifold.cli._examples import examples
 from remanifold.drawing.draw_pyvista import has_display
 from remanifold.drawing.plotting import BACKENDS
 from remanifold.drawing.scene import STYLES

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import typer
 from typer.testing import CliRunner
 
 import remanifold as rm
@@ -466,6 +467,28 @@ def test_version_and_help():
             "all cores",
         ),
     ]
+
+
+def test_commands_are_listed_by_the_first_line_of_their_help():
+    group = typer.main.get_command(cli.app)
+    context = group.make_context("remanifold", ["info", "x"])
+    for name, line in cli.COMMANDS.items():
+        command = group.get_command(context, name)
+        assert command.name == name
+        assert command.get_short_help_str(limit=200).removesuffix(".") == line[:-1]
+
+
+def test_help_loads_neither_numpy_nor_a_command():
+    code = (
+        "import sys\ntry: from remanifold.cli import app; app(['--help'])\n"
+        "except SystemExit: pass\n"
+        "print([name for name in ('numpy', 'remanifold.cli.info') if name in sys.modules])"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False
+    )
+    assert "reconstruct" in done.stdout
+    assert done.stdout.endswith("[]\n"), done.stderr
 
 
 def test_import_of_the_package_is_light():
