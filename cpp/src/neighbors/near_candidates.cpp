@@ -15,16 +15,28 @@
 namespace remanifold::detail {
 namespace {
 
-REMANIFOLD_INLINE void add_squares(double position, const double* axis, Index count,
-                                   double* sums) {
-  for (Index i = 0; i < count; ++i) {
-    const double difference = position - axis[i];
-    sums[i] += difference * difference;
+using Sums = double __attribute__((vector_size(32)));
+// Not by using: Clang would not heed the alignment there.
+typedef double LooseSums __attribute__((vector_size(32), aligned(8), may_alias));
+
+/// Sums of four candidates stay in registers.
+REMANIFOLD_INLINE void sum_squares(const double* p, const double* axes, Index stride,
+                                   int dim, Index count, double* sums) {
+  constexpr Index kWidth = 4;
+  for (Index i = 0; i < count; i += kWidth) {
+    Sums sum = {};
+    for (int j = 0; j < dim; ++j) {
+      const Sums difference =
+          p[j] - *reinterpret_cast<const LooseSums*>(axes + Offset{j} * stride + i);
+      sum += difference * difference;
+    }
+    *reinterpret_cast<LooseSums*>(sums + i) = sum;
   }
 }
 
-void add_squares_plain(double position, const double* axis, Index count, double* sums) {
-  add_squares(position, axis, count, sums);
+void sum_squares_plain(const double* p, const double* axes, Index stride, int dim,
+                       Index count, double* sums) {
+  sum_squares(p, axes, stride, dim, count, sums);
 }
 
 Index pick_plain(const double* values, Index count, double limit, Index* places) {
@@ -37,9 +49,9 @@ Index pick_plain(const double* values, Index count, double limit, Index* places)
 }
 
 #if defined(__x86_64__)
-REMANIFOLD_AVX2 void add_squares_avx2(double position, const double* axis, Index count,
-                                      double* sums) {
-  add_squares(position, axis, count, sums);
+REMANIFOLD_AVX2 void sum_squares_avx2(const double* p, const double* axes, Index stride,
+                                      int dim, Index count, double* sums) {
+  sum_squares(p, axes, stride, dim, count, sums);
 }
 
 /// For each set of four lanes, these lanes first: bytes of 32-bit numbers.
@@ -87,14 +99,14 @@ REMANIFOLD_AVX2 Index pick_avx2(const double* values, Index count, double limit,
 #endif
 
 struct Functions {
-  decltype(&add_squares_plain) add = add_squares_plain;
+  decltype(&sum_squares_plain) sum = sum_squares_plain;
   decltype(&pick_plain) pick = pick_plain;
 };
 
 Functions choose() {
 #if defined(__x86_64__)
   if (__builtin_cpu_supports("avx2")) {
-    return {add_squares_avx2, pick_avx2};
+    return {sum_squares_avx2, pick_avx2};
   }
 #endif
   return {};
@@ -107,9 +119,9 @@ const Functions& functions() {
 
 }  // namespace
 
-void add_squared_differences(double position, const double* axis, Index count,
-                             double* sums) {
-  functions().add(position, axis, count, sums);
+void squared_distances(const double* p, const double* axes, Index stride, int dim,
+                       Index count, double* sums) {
+  functions().sum(p, axes, stride, dim, count, sums);
 }
 
 Index pick_near(const double* values, Index count, double limit, Index* places) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What is done with each of the samples of a ball to find those nearest to one of them, in
-// the widest vectors that the machine has. No sum depends on these.
+// the widest vectors that the machine has. No sum is another for it.
 #pragma once
 
 #include "remanifold/types.hpp"
@@ -10,9 +10,12 @@ namespace remanifold::detail {
 /// Room that pick_near() takes beyond what it finds.
 constexpr Index kPickSlack = 4;
 
-/// sums[i] += the square of position - axis[i].
-void add_squared_differences(double position, const double* axis, Index count,
-                             double* sums);
+/// Squared distances of points to one, summed axis by axis.
+/// \param axes    coordinates, those of an axis next to each other
+/// \param stride  from one axis to the next, divisible by four and no less than the count
+/// \param sums    of the size of the stride
+void squared_distances(const double* p, const double* axes, Index stride, int dim,
+                       Index count, double* sums);
 
 /// The places of values no larger than the limit, ascending.
 /// \param places  of size count + kPickSlack

@@ -199,9 +199,9 @@ class FlannSearch final : public NeighborSearch::Implementation {
     explicit FlannQuery(const FlannSearch& search)
         : search_(search), shared_(search.samples_) {}
 
-    void prepare(Index /*begin*/, Index end) override {
+    void prepare(Index begin, Index end) override {
       end_ = end;
-      shared_.begin();
+      shared_.begin(begin, end);
     }
 
     void nearest(Index x, Index count, double squared_radius,
@@ -213,15 +213,18 @@ class FlannSearch final : public NeighborSearch::Implementation {
                           samples.ambient_dim() <= kFewCoordinates &&
                           squared_radius == std::numeric_limits<double>::infinity();
       if (shared) {
-        if (!shared_.contains(x) && shared_.gather(x, end_, count)) {
+        if (shared_.take(x, out)) {
+          return;
+        }
+        if (shared_.gather(x, end_, count)) {
           Ball ball(shared_);
           search_.index_->findNeighbors(ball, shared_.center(),
                                         search_.search_parameters_);
           shared_.load();
-        }
-        if (shared_.contains(x) && shared_.nearest(x, count, out)) {
-          shared_.observe(out.back().squared_distance);
-          return;
+          shared_.serve(count);
+          if (shared_.take(x, out)) {
+            return;
+          }
         }
       }
       find(x, samples.point(x), count, squared_radius, out);
@@ -360,9 +363,10 @@ Index NeighborSearch::block_size() const { return implementation_->block_size();
 namespace {
 
 /// \param known  called with a sample and its row: whether it could fill the row itself
+/// \param all    whether it fills none
 template <class Known>
 void search_rows(const Samples& samples, const NeighborSearch& search,
-                 const Known& known, const Execution& execution,
+                 const Known& known, bool all, const Execution& execution,
                  Neighborhoods& result) {
   struct Scratch {
     std::unique_ptr<NeighborSearch::Query> query;
@@ -382,7 +386,9 @@ void search_rows(const Samples& samples, const NeighborSearch& search,
               local.query = search.query(execution);
             }
             if (!prepared) {
-              local.query->prepare(static_cast<Index>(begin), static_cast<Index>(end));
+              // Where some are known nobody asks for all of the block.
+              local.query->prepare(static_cast<Index>(all ? begin : i),
+                                   static_cast<Index>(all ? end : i));
               prepared = true;
             }
             local.query->nearest(static_cast<Index>(i), result.count,
@@ -415,7 +421,7 @@ Neighborhoods find_neighborhoods(const Samples& samples, const NeighborSearch& s
     result.indices.resize(static_cast<std::size_t>(samples.size()) * result.count);
     search_rows(
         samples, search, [](Index, std::vector<Index>::iterator) { return false; },
-        execution, result);
+        true, execution, result);
   }
   detail::assert_that([&] { verify_neighborhoods(samples, result); });
   return result;
@@ -469,7 +475,7 @@ Neighborhoods keep_neighborhoods(const Neighborhoods& known,
         }
         return found == result.count;
       },
-      execution, result);
+      known.count < result.count, execution, result);
   detail::assert_that([&] { verify_neighborhoods(samples, result); });
   return result;
 }

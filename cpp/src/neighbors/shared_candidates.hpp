@@ -24,52 +24,68 @@ class SharedCandidates {
       : samples_(samples),
         low_(samples.ambient_dim()),
         high_(samples.ambient_dim()),
-        center_(samples.ambient_dim()),
-        coordinates_(samples.ambient_dim()) {}
+        center_(samples.ambient_dim()) {}
 
-  /// The samples that follow will belong to the same stretch of the data.
-  void begin() {
-    last_ = first_ = 0;
+  /// The samples [begin, end), of the same stretch of the data, will be asked for.
+  void begin(Index begin, Index end) {
+    begin_ = begin;
+    found_.resize(std::max(found_.size(), static_cast<std::size_t>(end - begin)));
+    for (std::vector<Neighbor>& list : found_) {
+      list.clear();
+    }
     reach_ = 0;
     crowded_ = false;
   }
+
+  /// What serve() has found for a sample, if it has.
+  bool take(Index x, std::vector<Neighbor>& out) {
+    std::vector<Neighbor>& list = found_[x - begin_];
+    if (list.empty()) {
+      return false;
+    }
+    out.swap(list);
+    list.clear();
+    return true;
+  }
+
   /// Tells how far the neighbors of a sample reach.
   void observe(double squared_reach) {
     const double reach = std::sqrt(squared_reach);
     reach_ = reach_ > 0 ? reach_ + kAdapt * (reach - reach_) : reach;
   }
 
-  bool contains(Index x) const { return x >= first_ && x < last_; }
-
-  /// Makes samples from x on the members, as many before `end` as lie close together.
+  /// Makes members of x and those from there to `end` that lie close together, as far as
+  /// nothing was found for them. Where the order of the data jumps, some lie between.
   /// \returns false where that is x alone, or nothing is known of their neighbors
   bool gather(Index x, Index end, Index count) {
-    first_ = last_ = x;
+    members_.clear();
     if (!(reach_ > 0) || crowded_) {
       return false;
     }
     most_ = kMostPerNeighbor * static_cast<std::size_t>(count);
     const auto dim = low_.size();
-    const double most = kMaxSpread * reach_;
-    end = std::min(end, x + kMaxMembers);
-    for (; last_ < end; ++last_) {
-      const double* p = samples_.point(last_);
+    const double most = max_spread() * reach_;
+    for (Index y = x; y < end && members_.size() < kMaxMembers; ++y) {
+      if (!found_[y - begin_].empty()) {
+        continue;
+      }
+      const double* p = samples_.point(y);
       double squared_spread = 0;
       for (std::size_t j = 0; j < dim; ++j) {
-        const double low = last_ == x ? p[j] : std::min(low_[j], p[j]);
-        const double high = last_ == x ? p[j] : std::max(high_[j], p[j]);
+        const double low = y == x ? p[j] : std::min(low_[j], p[j]);
+        const double high = y == x ? p[j] : std::max(high_[j], p[j]);
         squared_spread += (high - low) * (high - low);
       }
       if (squared_spread > 4 * most * most) {
-        break;
+        continue;
       }
       for (std::size_t j = 0; j < dim; ++j) {
-        low_[j] = last_ == x ? p[j] : std::min(low_[j], p[j]);
-        high_[j] = last_ == x ? p[j] : std::max(high_[j], p[j]);
+        low_[j] = y == x ? p[j] : std::min(low_[j], p[j]);
+        high_[j] = y == x ? p[j] : std::max(high_[j], p[j]);
       }
+      members_.push_back(y);
     }
-    if (last_ - first_ < 2) {
-      last_ = first_;
+    if (members_.size() < 2) {
       return false;
     }
     double squared_spread = 0;
@@ -77,7 +93,7 @@ class SharedCandidates {
       center_[j] = (low_[j] + high_[j]) / 2;
       squared_spread += (high_[j] - center_[j]) * (high_[j] - center_[j]);
     }
-    radius_ = std::sqrt(squared_spread) + kMargin * reach_;
+    radius_ = std::sqrt(squared_spread) + margin() * reach_;
     candidates_.clear();
     return true;
   }
@@ -90,7 +106,7 @@ class SharedCandidates {
   bool add(Index sample) {
     if (candidates_.size() == most_) {
       crowded_ = true;
-      last_ = first_;
+      members_.clear();
       return false;
     }
     candidates_.push_back(sample);
@@ -100,15 +116,31 @@ class SharedCandidates {
   /// When all samples of the ball are there.
   void load() {
     const std::size_t n = candidates_.size();
-    for (std::size_t j = 0; j < coordinates_.size(); ++j) {
-      coordinates_[j].resize(n);
-      double* axis = coordinates_[j].data();
-      for (std::size_t i = 0; i < n; ++i) {
-        axis[i] = samples_.point(candidates_[i])[j];
+    stride_ = (static_cast<Index>(n) + kPickSlack - 1) / kPickSlack * kPickSlack;
+    const std::size_t dim = center_.size();
+    coordinates_.resize(dim * static_cast<std::size_t>(stride_));
+    squared_distances_.resize(static_cast<std::size_t>(stride_));
+    for (std::size_t i = 0; i < n; ++i) {
+      const double* p = samples_.point(candidates_[i]);
+      for (std::size_t j = 0; j < dim; ++j) {
+        coordinates_[j * static_cast<std::size_t>(stride_) + i] = p[j];
       }
     }
   }
 
+  /// Finds the `count` nearest others of all members that the ball is large enough for.
+  void serve(Index count) {
+    for (const Index x : members_) {
+      std::vector<Neighbor>& list = found_[x - begin_];
+      if (nearest(x, count, list)) {
+        observe(list.back().squared_distance);
+      } else {
+        list.clear();
+      }
+    }
+  }
+
+ private:
   /// The `count` nearest others of a member, in order.
   /// \returns false where the ball is too small to be sure of them
   bool nearest(Index x, Index count, std::vector<Neighbor>& out) {
@@ -130,23 +162,23 @@ class SharedCandidates {
     return select(x, count, certain * certain, out);
   }
 
- private:
-  static constexpr Index kMaxMembers = 12;
-  static constexpr double kMaxSpread = 1.2;  // of the members, in units of the reach
-  static constexpr double kMargin = 1.25;    // of the ball beyond the members, likewise
-  static constexpr double kLikely = 1.2;     // reach of most members, likewise
+  static constexpr std::size_t kMaxMembers = 12;
+  /// Of the members, in units of the reach: in more coordinates a ball that is as much
+  /// wider than those of its members holds more that is of no use to them.
+  double max_spread() const { return in_space() ? 1.2 : 0.6; }
+  /// Of the ball beyond the members, likewise.
+  double margin() const { return in_space() ? 1.25 : 1.15; }
+  bool in_space() const { return center_.size() <= 3; }
+  static constexpr double kLikely = 1.2;  // reach of most members, likewise
   static constexpr double kAdapt = 0.125;
   static constexpr std::size_t kMostPerNeighbor = 20;
   static constexpr std::size_t kTogether = kRankedTogether;
 
   /// As detail::squared_distance() sums in few coordinates.
   void measure(const double* p) {
-    squared_distances_.assign(candidates_.size(), 0.0);
-    const auto n = static_cast<Index>(candidates_.size());
-    for (std::size_t j = 0; j < coordinates_.size(); ++j) {
-      add_squared_differences(p[j], coordinates_[j].data(), n,
-                              squared_distances_.data());
-    }
+    squared_distances(p, coordinates_.data(), stride_, static_cast<int>(center_.size()),
+                      static_cast<Index>(candidates_.size()),
+                      squared_distances_.data());
   }
 
   /// The `count` nearest of those no farther than the limit, where there are so many.
@@ -209,8 +241,9 @@ class SharedCandidates {
 
   const Samples& samples_;
   NeighborOrder order_;
-  Index first_ = 0;
-  Index last_ = 0;
+  Index begin_ = 0;
+  std::vector<std::vector<Neighbor>> found_;  // from begin_ on
+  std::vector<Index> members_;
   double reach_ = 0;  // of neighborhoods, as seen lately
   double radius_ = 0;
   std::size_t most_ = 0;  // candidates
@@ -219,7 +252,8 @@ class SharedCandidates {
   std::vector<double> high_;
   std::vector<double> center_;
   std::vector<Index> candidates_;
-  std::vector<std::vector<double>> coordinates_;  // of the candidates, axis by axis
+  std::vector<double> coordinates_;  // of the candidates, axis by axis
+  Index stride_ = 0;                 // from one axis to the next
   std::vector<double> squared_distances_;
   std::vector<float> keys_;
   std::vector<std::int32_t> ranks_;
