@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Times each step of a method on generated or given points, beside FLANN's own search for
-// 20 nearest neighbors on the same points.
+// nearest neighbors, 20 unless told, on the same points.
 #include "remanifold/remanifold.hpp"
 
 #include <flann/flann.hpp>
@@ -37,6 +37,7 @@ constexpr const char* kUsage = R"(usage: remanifold_bench [options]
   --estimator NAME  enclosure (default of the paper), pca, jet (default of manifold)
   --threads T       threads (default 1)
   --repeat R        runs, of which the median is printed (default 3)
+  --flann M         neighbors that FLANN searches (default 20)
   --order NAME      random (default) or morton: order in which the points are given
   --seed S          seed of the generator (default 1)
 )";
@@ -183,11 +184,12 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
       .count();
 }
 
-/// FLANN alone: build the exact tree, search 20 neighbors of every point, one thread.
-double time_flann(const Cloud& cloud) {
+/// FLANN alone: build the exact tree, search neighbors of every point, one thread.
+double time_flann(const Cloud& cloud, int neighbors) {
   const auto start = std::chrono::steady_clock::now();
   const std::size_t n = cloud.size();
-  const std::size_t count = std::min<std::size_t>(21, n);  // each point finds itself
+  // Each point finds itself.
+  const auto count = std::min(static_cast<std::size_t>(neighbors) + 1, n);
   const flann::Matrix<double> points(const_cast<double*>(cloud.points.data()), n,
                                      cloud.ambient_dim);
   flann::KDTreeSingleIndex<flann::L2<double>> index(points,
@@ -213,10 +215,10 @@ struct Run {
 };
 
 Run run(const Cloud& cloud, const remanifold::ReconstructOptions& options,
-        bool manifold, int threads, bool with_flann) {
+        bool manifold, int threads, int flann_neighbors) {
   Run result;
-  if (with_flann) {
-    result.flann = time_flann(cloud);
+  if (flann_neighbors > 0) {
+    result.flann = time_flann(cloud, flann_neighbors);
   }
   const remanifold::Execution execution{threads, nullptr};
   const auto start = std::chrono::steady_clock::now();
@@ -271,6 +273,7 @@ int bench(const std::map<std::string, std::string>& arguments) {
   const std::string file = get("points", "");
   const int threads = std::stoi(get("threads", "1"));
   const int repeat = std::stoi(get("repeat", "3"));
+  const int flann_neighbors = std::stoi(get("flann", "20"));
   const std::string method = get("method", "paper");
   if (method != "paper" && method != "manifold") {
     throw std::invalid_argument("unknown method " + method);
@@ -293,8 +296,8 @@ int bench(const std::map<std::string, std::string>& arguments) {
 
   std::printf("%10s %5s %3s | %8s %8s %8s %8s %8s | %8s %8s %6s | %10s %8s\n",
               "samples", "D", "K", "prepare", "neighb.", "tangent", "regions",
-              "complex", "total", "FLANN 20", "ratio", "simplices",
-              manifold ? "unsolved" : "looked");
+              "complex", "total", ("FLANN " + std::to_string(flann_neighbors)).c_str(),
+              "ratio", "simplices", manifold ? "unsolved" : "looked");
   const std::vector<Offset> sizes =
       file.empty() ? parse_list(get("samples", "100000")) : std::vector<Offset>{0};
   for (const Offset size : sizes) {
@@ -309,7 +312,8 @@ int bench(const std::map<std::string, std::string>& arguments) {
     const bool with_flann = cloud.ambient_dim <= 32;
     std::vector<Run> runs;
     for (int i = 0; i < repeat; ++i) {
-      runs.push_back(run(cloud, options, manifold, threads, with_flann));
+      runs.push_back(
+          run(cloud, options, manifold, threads, with_flann ? flann_neighbors : 0));
     }
     const auto of = [&](auto member) {
       return median(runs, [&](const Run& r) { return r.seconds.*member; });

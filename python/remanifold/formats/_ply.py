@@ -452,27 +452,37 @@ def write_ply(file: IO[bytes], mesh: FileMesh) -> None:
     header += [f"comment {line}" for line in mesh.comment]
     header += [f"element vertex {len(mesh.points)}"]
     header += [f"property {_NAMES[a.dtype.str[1:]]} {name}" for name, a in columns]
-    vertices = np.empty(
-        len(mesh.points), [(name, a.dtype.newbyteorder("<")) for name, a in columns]
-    )
-    for name, values in columns:
-        vertices[name] = values
-    body = [vertices.tobytes()]
+    kinds = [(name, a.dtype.newbyteorder("<")) for name, a in columns]
+    body = [(np.dtype(kinds), dict(columns))]
     for size, cells in mesh.cells.items():
         if size == 2:
             header += [f"element edge {len(cells)}"]
             header += ["property int vertex1", "property int vertex2"]
-            body.append(cells.astype("<i4").tobytes())
+            body.append((np.dtype([("corners", "<i4", size)]), {"corners": cells}))
         else:
             header += [f"element face {len(cells)}"]
             header += ["property list uchar int vertex_indices"]
-            records = np.empty(len(cells), [("size", "u1"), ("corners", "<i4", size)])
-            records["size"] = size
-            records["corners"] = cells
-            body.append(records.tobytes())
+            face = np.dtype([("size", "u1"), ("corners", "<i4", size)])
+            sizes = np.broadcast_to(np.uint8(size), len(cells))
+            body.append((face, {"size": sizes, "corners": cells}))
     file.write("\n".join([*header, "end_header", ""]).encode("ascii", "replace"))
-    for part in body:
-        file.write(part)
+    for kind, parts in body:
+        _write_records(file, kind, parts)
+
+
+_ROWS = 1 << 14  # that are written at a time: they stay in the cache
+
+
+def _write_records(
+    file: IO[bytes], kind: np.dtype[Any], columns: dict[str, NDArray[Any]]
+) -> None:
+    count = min(len(values) for values in columns.values())
+    records = np.empty(min(count, _ROWS), kind)
+    for begin in range(0, count, _ROWS):
+        part = records[: min(_ROWS, count - begin)]
+        for name, values in columns.items():
+            part[name] = values[begin : begin + len(part)]
+        file.write(part.view(np.uint8).data)
 
 
 _NAMES = {
