@@ -944,18 +944,20 @@ class ShapeOfResult {
   std::vector<float> folds_;  // of facets
 };
 
+/// \param scratch  whose memory is the next one's
 template <class T>
 void to_input(const std::vector<Index>& canonical, double factor,
-              const Execution& execution, std::vector<T>& values) {
-  std::vector<T> result(canonical.size());
+              const Execution& execution, std::vector<T>& values,
+              std::vector<T>& scratch) {
+  scratch.resize(canonical.size());
   detail::for_each_block_uncounted(
       static_cast<Offset>(canonical.size()), kBlock, execution,
       [&](Offset begin, Offset end) {
         for (Offset i = begin; i < end; ++i) {
-          result[i] = static_cast<T>(values[canonical[i]] * factor);
+          scratch[i] = static_cast<T>(values[canonical[i]] * factor);
         }
       });
-  values = std::move(result);
+  values.swap(scratch);
 }
 
 std::vector<Index> numbers_of(const Samples& samples) {
@@ -1040,15 +1042,17 @@ SamplingQuality measure_quality(const Samples& samples, const NeighborSearch& se
 
   const std::vector<Index> canonical = samples.canonical_indices();
   const double scale = samples.scale();
+  std::vector<double> scratch;
   for (std::vector<double>* lengths : {&out.spacing, &out.scatter, &out.wide_scatter,
                                        &out.reach, &out.nearest_strange}) {
-    to_input(canonical, scale, execution, *lengths);
+    to_input(canonical, scale, execution, *lengths, scratch);
   }
-  to_input(canonical, 1 / scale, execution, out.curvature);
+  to_input(canonical, 1 / scale, execution, out.curvature, scratch);
   for (std::vector<double>* ratios : {&out.tangent_share, &out.fold, &out.gap}) {
-    to_input(canonical, 1.0, execution, *ratios);
+    to_input(canonical, 1.0, execution, *ratios, scratch);
   }
-  to_input(canonical, 1.0, execution, out.rim);
+  std::vector<std::uint8_t> flags;
+  to_input(canonical, 1.0, execution, out.rim, flags);
   if (options.num_listed > 0) {
     out.listed = {std::move(neighborhoods), numbers_of(samples)};
   }
