@@ -8,57 +8,60 @@
 namespace remanifold::detail {
 namespace {
 
-constexpr Index kKeys = kRankedTogether;
-using Keys = float __attribute__((vector_size(32)));
-using Ranks = std::int32_t __attribute__((vector_size(32)));
-// Not by using: Clang would not heed the alignment there.
-typedef float LooseKeys __attribute__((vector_size(32), aligned(4), may_alias));
-typedef std::int32_t LooseRanks __attribute__((vector_size(32), aligned(4), may_alias));
+/// Vectors as wide as the registers: wider ones are taken apart badly.
+template <int kBytes>
+struct Wide {
+  static constexpr Index kKeys = kBytes / static_cast<int>(sizeof(float));
+  typedef float Keys __attribute__((vector_size(kBytes)));
+  typedef std::int32_t Ranks __attribute__((vector_size(kBytes)));
+  typedef float LooseKeys __attribute__((vector_size(kBytes), aligned(4), may_alias));
+  typedef std::int32_t LooseRanks
+      __attribute__((vector_size(kBytes), aligned(4), may_alias));
 
-/// Of kBlocks vectors of keys from `first` on: the sums stay in registers.
-template <int kBlocks>
-REMANIFOLD_INLINE void rank_blocks(const float* keys, Index count, Index first,
-                                   std::int32_t* ranks) {
-  Keys own[kBlocks];
-  Ranks less[kBlocks] = {};
-#pragma GCC unroll 4
-  for (int b = 0; b < kBlocks; ++b) {
-    own[b] = *reinterpret_cast<const LooseKeys*>(keys + first + b * kKeys);
-  }
-  for (Index j = 0; j < count; ++j) {
-    const float k = keys[j];
-    const Keys key = {k, k, k, k, k, k, k, k};
-#pragma GCC unroll 4
+  /// Of kBlocks vectors of keys from `first` on: the sums stay in registers.
+  template <int kBlocks>
+  static REMANIFOLD_INLINE void rank_blocks(const float* keys, Index count, Index first,
+                                            std::int32_t* ranks) {
+    Keys own[kBlocks];
+    Ranks less[kBlocks] = {};
+#pragma GCC unroll 8
     for (int b = 0; b < kBlocks; ++b) {
-      less[b] -= key < own[b];
+      own[b] = *reinterpret_cast<const LooseKeys*>(keys + first + b * kKeys);
+    }
+    for (Index j = 0; j < count; ++j) {
+      const Keys key = keys[j] - Keys{};
+#pragma GCC unroll 8
+      for (int b = 0; b < kBlocks; ++b) {
+        less[b] -= key < own[b];
+      }
+    }
+#pragma GCC unroll 8
+    for (int b = 0; b < kBlocks; ++b) {
+      *reinterpret_cast<LooseRanks*>(ranks + first + b * kKeys) = less[b];
     }
   }
-#pragma GCC unroll 4
-  for (int b = 0; b < kBlocks; ++b) {
-    *reinterpret_cast<LooseRanks*>(ranks + first + b * kKeys) = less[b];
-  }
-}
 
-/// \tparam kBlocks  as many as there are registers for
-template <int kBlocks>
-REMANIFOLD_INLINE void rank_all(const float* keys, Index count, std::int32_t* ranks) {
-  Index first = 0;
-  for (; first + kBlocks * kKeys <= count; first += kBlocks * kKeys) {
-    rank_blocks<kBlocks>(keys, count, first, ranks);
+  static REMANIFOLD_INLINE void rank_all(const float* keys, Index count,
+                                         std::int32_t* ranks) {
+    constexpr int kBlocks = 4;
+    Index first = 0;
+    for (; first + kBlocks * kKeys <= count; first += kBlocks * kKeys) {
+      rank_blocks<kBlocks>(keys, count, first, ranks);
+    }
+    for (; first < count; first += kKeys) {
+      rank_blocks<1>(keys, count, first, ranks);
+    }
   }
-  for (; first < count; first += kKeys) {
-    rank_blocks<1>(keys, count, first, ranks);
-  }
-}
+};
 
 void rank_plain(const float* keys, Index count, std::int32_t* ranks) {
-  rank_all<2>(keys, count, ranks);
+  Wide<16>::rank_all(keys, count, ranks);
 }
 
 #if defined(__x86_64__)
 __attribute__((target("avx2"))) void rank_avx2(const float* keys, Index count,
                                                std::int32_t* ranks) {
-  rank_all<4>(keys, count, ranks);
+  Wide<32>::rank_all(keys, count, ranks);
 }
 #endif
 

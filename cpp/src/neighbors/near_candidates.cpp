@@ -15,28 +15,27 @@
 namespace remanifold::detail {
 namespace {
 
-using Sums = double __attribute__((vector_size(32)));
-// Not by using: Clang would not heed the alignment there.
-typedef double LooseSums __attribute__((vector_size(32), aligned(8), may_alias));
-
-/// Sums of four candidates stay in registers.
+/// Sums of as many candidates as registers hold stay there.
+template <int kBytes>
 REMANIFOLD_INLINE void sum_squares(const double* p, const double* axes, Index stride,
                                    int dim, Index count, double* sums) {
-  constexpr Index kWidth = 4;
+  typedef double Sums __attribute__((vector_size(kBytes)));
+  typedef double Loose __attribute__((vector_size(kBytes), aligned(8), may_alias));
+  constexpr Index kWidth = kBytes / static_cast<int>(sizeof(double));
   for (Index i = 0; i < count; i += kWidth) {
     Sums sum = {};
     for (int j = 0; j < dim; ++j) {
       const Sums difference =
-          p[j] - *reinterpret_cast<const LooseSums*>(axes + Offset{j} * stride + i);
+          p[j] - *reinterpret_cast<const Loose*>(axes + Offset{j} * stride + i);
       sum += difference * difference;
     }
-    *reinterpret_cast<LooseSums*>(sums + i) = sum;
+    *reinterpret_cast<Loose*>(sums + i) = sum;
   }
 }
 
 void sum_squares_plain(const double* p, const double* axes, Index stride, int dim,
                        Index count, double* sums) {
-  sum_squares(p, axes, stride, dim, count, sums);
+  sum_squares<16>(p, axes, stride, dim, count, sums);
 }
 
 Index pick_plain(const double* values, Index count, double limit, Index* places) {
@@ -51,7 +50,7 @@ Index pick_plain(const double* values, Index count, double limit, Index* places)
 #if defined(__x86_64__)
 REMANIFOLD_AVX2 void sum_squares_avx2(const double* p, const double* axes, Index stride,
                                       int dim, Index count, double* sums) {
-  sum_squares(p, axes, stride, dim, count, sums);
+  sum_squares<32>(p, axes, stride, dim, count, sums);
 }
 
 /// For each set of four lanes, these lanes first: bytes of 32-bit numbers.
