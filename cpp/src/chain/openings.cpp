@@ -82,10 +82,9 @@ constexpr int inside_neighbors(int dim) { return dim == 1 ? 1 : 3; }
 /// have to continue each other: so many steps before the edge and behind it, or as many as
 /// lead as far, may turn by 120 degrees against each other, besides what they turn on their
 /// way. A corner of the curve has an edge of length t with a chance of e^-t, less where
-/// samples lie evenly: it is listed below the first chance, and open below the second.
+/// samples lie evenly: below a chance it is open. All of them are listed.
 constexpr double kLongJoint = 1.5;
-constexpr double kDoubtedJoint = 2.5;  // -log
-constexpr double kOpenJoint = 5;
+constexpr double kOpenJoint = 5;  // -log
 constexpr double kMostTurn = 2.0944;
 constexpr int kJointSteps = 6;
 constexpr int kMostJointSteps = 24;
@@ -762,11 +761,10 @@ class OpeningFinder {
         continue;
       }
       const Ring ring = measure_around({e});
-      const double weight =
-          ring.samples > 0 ? counted(found.length / found.mean, ring) : 0;
-      if (weight <= kDoubtedJoint) {
+      if (!(ring.samples > 0)) {
         continue;
       }
+      const double weight = counted(found.length / found.mean, ring);
       Opening joint = weighed({e}, ring);
       joint.kind = OpeningKind::kJoint;
       joint.spacing = found.mean;

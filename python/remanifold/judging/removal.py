@@ -73,6 +73,54 @@ def removal_changes(
     return _number_of_sets(rim) != _number_of_sets(moved)
 
 
+def closing_changes(
+    rows: NDArray[np.int32],
+    added: NDArray[np.int32],
+    rim: NDArray[np.int32],
+    num_vertices: int,
+) -> bool:
+    """Whether components, Euler characteristic or number of rims become others.
+
+    By simplices that close an open place. Where they do not fit what is there, are all
+    there already or have a vertex that nothing else has, it is not known what closing it
+    would do, and that counts as a change.
+
+    Parameters
+    ----------
+    rows : ndarray, shape (M, K+1), int32
+        Simplices, the vertices of each ascending.
+    added : ndarray, shape (A, K+1), int32
+        Simplices through the place, of which some may be among `rows`.
+    rim : ndarray, shape (H, K), int32
+        Faces of a single one of the `rows`, the vertices of each ascending.
+    num_vertices : int
+
+    Returns
+    -------
+    bool
+    """
+    dim = rows.shape[1] - 1
+    added = np.unique(np.sort(added, axis=1), axis=0)
+    touched = np.zeros(num_vertices, dtype=bool)
+    touched[added] = True
+    near = rows[touched[rows].any(axis=1)]
+    added = added[~mark_rows(added, near, num_vertices)]
+    used = np.zeros(num_vertices, dtype=bool)
+    used[rows] = True
+    if len(added) == 0 or not used[added].all():
+        return True
+    of_added, _ = _faces(added, dim - 1)
+    faces, cofaces = _faces(np.concatenate([near, added]), dim - 1)
+    own = mark_rows(faces, of_added, num_vertices)
+    if (cofaces[own] > 2).any():
+        return True
+    kept = ~mark_rows(rim, of_added, num_vertices)
+    moved = np.concatenate([rim[kept], faces[own & (cofaces == 1)]])
+    closed = np.concatenate([rows, added])
+    removed = np.arange(len(closed)) >= len(rows)
+    return removal_changes(closed, removed, moved, num_vertices)
+
+
 def _faces(
     rows: NDArray[np.int32], dim: int
 ) -> tuple[NDArray[np.int32], NDArray[np.intp]]:

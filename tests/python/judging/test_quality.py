@@ -655,7 +655,8 @@ def test_dimension_that_samples_fill(dim):
     cube = np.pad(np.random.default_rng(dim).random((128, dim)), [(0, 0), (0, 5 - dim)])
     cube[0] = cube[1]
     samples = Points(cube)
-    found = signs._dimension_of(samples, np.arange(128))
+    found, count = signs._dimension_of(samples, np.arange(128))
+    assert count == 126 * 3
     assert abs(found - dim) < 2.5 * dim / math.sqrt(126)
 
 

@@ -9,7 +9,11 @@ import pytest
 import remanifold
 from remanifold.complex.parts import open_faces
 from remanifold.complex.topology import topology_of
-from remanifold.judging.removal import mark_rows, removal_changes
+from remanifold.judging.removal import (
+    closing_changes,
+    mark_rows,
+    removal_changes,
+)
 
 
 def kind(rows, count):
@@ -57,6 +61,38 @@ def test_agrees_with_the_whole_count(number):
         assert found == (kind(rows, count) != kind(rows[~removed], count))
         seen.add(found)
     assert seen == {True, False}
+
+
+@pytest.mark.parametrize("number", range(4))
+def test_closing_agrees_with_the_whole_count(number):
+    whole = np.sort(list(complexes())[number], axis=1)
+    count = int(whole.max()) + 1
+    rng = np.random.default_rng(number)
+    seen = set()
+    for _ in range(120):
+        star = np.flatnonzero((whole == rng.integers(count)).any(axis=1))
+        taken = np.zeros(len(whole), dtype=bool)
+        taken[rng.permutation(star)[: rng.integers(1, 4)]] = True
+        if not taken.any():
+            continue
+        rows, added = whole[~taken], whole[taken]
+        rim = np.sort(open_faces(rows), axis=1)
+        # Some of them may be there already.
+        found = closing_changes(rows, np.concatenate([added, rows[:1]]), rim, count)
+        unknown = not np.isin(added, rows).all()
+        assert found == (unknown or kind(rows, count) != kind(whole, count))
+        seen.add(found)
+    # An edge at the end of a curve has a vertex that nothing else has.
+    assert seen == ({True} if whole.shape[1] == 2 else {True, False})
+
+
+def test_what_does_not_fit_is_not_known_to_change_nothing():
+    rows = np.array([[0, 1, 2], [1, 2, 3], [2, 3, 4]], dtype=np.int32)
+    rim = np.sort(open_faces(rows), axis=1)
+    assert not closing_changes(rows, np.array([[1, 3, 4]], np.int32), rim, 6)
+    assert closing_changes(rows, np.array([[2, 3, 0]], np.int32), rim, 6)
+    assert closing_changes(rows, np.array([[1, 3, 5]], np.int32), rim, 6)
+    assert closing_changes(rows, rows[:1], rim, 6)
 
 
 def test_rows_are_marked_by_their_vertices():
