@@ -2,6 +2,7 @@
 #include <pybind11/pybind11.h>
 
 namespace remanifold::python {
+void bind_calculus(pybind11::module_& module);
 void bind_chain(pybind11::module_& module);
 void bind_constants(pybind11::module_& module);
 void bind_parts(pybind11::module_& module);
@@ -27,4 +28,5 @@ PYBIND11_MODULE(_core, module) {
   remanifold::python::bind_projection(module);
   remanifold::python::bind_simplification(module);
   remanifold::python::bind_surface_distances(module);
+  remanifold::python::bind_calculus(module);
 }

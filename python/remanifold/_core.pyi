@@ -290,6 +290,35 @@ def surface_distances(
     num_vertices: int,
     sources: NDArray[np.int32],
 ) -> NDArray[np.float64]: ...
+def linear_elements(
+    points: NDArray[np.float64], simplices: NDArray[np.int32]
+) -> tuple[
+    NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]
+]: ...
+def linear_elements_of_lengths(
+    dim: int, squares: NDArray[np.float64]
+) -> tuple[
+    NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]
+]: ...
+def second_forms(
+    points: NDArray[np.float64],
+    edges: NDArray[np.int32],
+    dim: int,
+    vertices: NDArray[np.int32],
+    num_threads: int,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
+
+class SparseFactors:
+    def __init__(
+        self,
+        offsets: NDArray[np.int32],
+        rows: NDArray[np.int32],
+        values: NDArray[np.float64],
+    ) -> None: ...
+    @property
+    def entries(self) -> int: ...
+    def solve(self, right: NDArray[np.float64]) -> NDArray[np.float64]: ...
+
 def component_labels(
     simplices: NDArray[np.int32], num_vertices: int
 ) -> NDArray[np.int32]: ...

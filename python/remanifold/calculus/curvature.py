@@ -3,15 +3,15 @@
 
 from __future__ import annotations
 
-import itertools
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from remanifold import _core
 from remanifold._base.read_only import ReadOnlyArrays
 from remanifold._base.text import one_line, rounded
-from remanifold.calculus.solving import scipy_module
 from remanifold.complex.parts import open_faces
 
 if TYPE_CHECKING:
@@ -22,11 +22,10 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-_ENOUGH = 2  # neighbors of a fit, in coefficients
+# As in the core: neighbors of a fit, in coefficients, and rings of edges with them.
+_ENOUGH = 2
 _MOST_RINGS = 4
-_TURNS = 3  # of the tangent space towards the slope of the fit
-_DETERMINED = 1e-12  # least over largest eigenvalue of the normal equations of a fit
-_NUMBERS = 4_000_000  # at a time
+_ALL_THREADS = 0
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -175,14 +174,16 @@ def angle_defects(operators: Operators) -> AngleDefects:
     """What angles lack; see `Calculus.angle_defects`."""
     simplices, count = operators.simplices, operators.count
     frames, flat = operators.elements.frames, operators.elements.flat
-    corners = np.concatenate([np.zeros((len(frames), 1, 2)), frames], axis=1)
-    sums = np.zeros(count)
-    for i in range(3):
-        a = corners[:, (i + 1) % 3] - corners[:, i]
-        b = corners[:, (i + 2) % 3] - corners[:, i]
-        cross = np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
-        angle = np.where(flat, 0.0, np.arctan2(cross, (a * b).sum(axis=1)))
-        sums += np.bincount(simplices[:, i], angle, count)
+    # Edges from the first corner are (base, 0) and (along, high).
+    base, along, high = frames[:, 0, 0], frames[:, 1, 0], frames[:, 1, 1]
+    angles = np.empty(simplices.shape)
+    angles[:, 0] = np.arctan2(high, along)
+    angles[:, 1] = np.arctan2(high, base - along)
+    angles[:, 2] = np.arctan2(
+        high * base, high * high - along * (base - along)
+    )
+    angles[flat] = 0.0
+    sums = np.bincount(simplices.ravel(), angles.ravel(), count)
     rim = np.zeros(count, dtype=np.bool_)
     rim[open_faces(simplices)] = True
     defects = np.where(rim, np.pi, 2 * np.pi) - sums
@@ -208,19 +209,8 @@ def curvature(complex_: ComplexData, normals: Floats | None) -> Curvature:
 
     Normals say which way a hypersurface is positive.
     """
-    coordinates, dim = complex_.coordinates, complex_.dim
-    ambient = coordinates.shape[1]
-    count = len(coordinates)
-    monomials = _monomials(dim)
-    wanted = _ENOUGH * len(monomials)
-    tangents = np.full((count, dim, ambient), np.nan)
-    form = np.full((count, dim, dim, ambient), np.nan)
-    for vertices, near in _rings(complex_, wanted):
-        size = max(1, _NUMBERS // (near.shape[1] * (ambient + len(monomials))))
-        for start in range(0, len(vertices), size):
-            own = vertices[start : start + size]
-            place = near[start : start + size]
-            tangents[own], form[own] = _fit(coordinates, own, place, dim, monomials)
+    dim, ambient = complex_.dim, complex_.coordinates.shape[1]
+    tangents, form = second_forms(complex_)
     missing = np.flatnonzero(np.isnan(tangents).any(axis=(1, 2)))
     directions = None
     if ambient == dim + 1:
@@ -231,6 +221,21 @@ def curvature(complex_: ComplexData, normals: Floats | None) -> Curvature:
     return Curvature(tangents, form, missing, directions)
 
 
+def second_forms(
+    complex_: ComplexData, vertices: NDArray[np.int32] | None = None
+) -> tuple[Floats, Floats]:
+    """Tangent vectors, (N, K, D), and second fundamental forms; NaN where none."""
+    own = np.arange(complex_.num_vertices, dtype=np.int32)
+    tangents, forms = _core.second_forms(
+        np.ascontiguousarray(complex_.coordinates),
+        np.ascontiguousarray(complex_.edges),
+        complex_.dim,
+        own if vertices is None else vertices,
+        _ALL_THREADS,
+    )
+    return tangents, forms
+
+
 def fit_at(
     complex_: ComplexData, vertex: int
 ) -> tuple[NDArray[np.int32], Floats, Floats]:
@@ -239,8 +244,7 @@ def fit_at(
     As far from the origin as they are from the vertex in space.
     """
     coordinates, dim = complex_.coordinates, complex_.dim
-    monomials = _monomials(dim)
-    wanted = _ENOUGH * len(monomials)
+    wanted = _ENOUGH * (math.comb(dim + 3, 3) - 1)
     i, j = complex_.edges.T
     near = np.zeros(len(coordinates), dtype=np.bool_)
     near[vertex] = True
@@ -251,9 +255,8 @@ def fit_at(
             break
     near[vertex] = False
     others = np.flatnonzero(near).astype(np.int32)
-    own = np.array([vertex])
-    tangents, _ = _fit(coordinates, own, others[None, :], dim, monomials)
-    if len(others) < wanted or np.isnan(tangents).any():
+    tangents, _ = second_forms(complex_, np.array([vertex], dtype=np.int32))
+    if np.isnan(tangents).any():
         msg = (
             f"vertex {vertex} has {len(others)} others within {_MOST_RINGS} edges, too "
             f"few for a tangent space: {wanted} are needed, and not all on one curve"
@@ -265,106 +268,6 @@ def fit_at(
     chord = np.linalg.norm(steps, axis=1)
     places *= (chord / np.where(shadow > 0, shadow, 1.0))[:, None]
     return others, tangents[0], places
-
-
-def _monomials(dim: int) -> list[tuple[int, ...]]:
-    """Of degree 1 to 3, as the coordinates that are multiplied."""
-    return [
-        own
-        for degree in (1, 2, 3)
-        for own in itertools.combinations_with_replacement(range(dim), degree)
-    ]
-
-
-def _rings(
-    complex_: ComplexData, wanted: int
-) -> list[tuple[NDArray[np.intp], NDArray[np.int32]]]:
-    """Vertices by how many rings have enough others, and these; padded by themselves."""
-    sparse = scipy_module("sparse")
-    count = complex_.num_vertices
-    i, j = complex_.edges.T
-    ones = np.ones(2 * len(i))
-    step = sparse.csr_array(
-        (ones, (np.concatenate([i, j]), np.concatenate([j, i]))), shape=(count, count)
-    )
-    reach = step
-    left = np.ones(count, dtype=np.bool_)
-    found = []
-    for ring in range(1, _MOST_RINGS + 1):
-        if ring > 1:
-            reach = reach @ step + reach
-            reach.data[:] = 1
-        near = reach - sparse.csr_array(sparse.diags(reach.diagonal()))
-        near.eliminate_zeros()
-        sizes = np.diff(near.indptr)
-        own = np.flatnonzero(left & (sizes >= wanted))
-        left[own] = False
-        if len(own) == 0:
-            continue
-        near.sort_indices()
-        table = np.repeat(own[:, None], sizes[own].max(), axis=1).astype(np.int32)
-        inside = np.arange(table.shape[1]) < sizes[own][:, None]
-        table[inside] = near[own].indices
-        found.append((own, table))
-    return found
-
-
-def _fit(
-    coordinates: Floats,
-    own: NDArray[np.intp],
-    near: NDArray[np.int32],
-    dim: int,
-    monomials: list[tuple[int, ...]],
-) -> tuple[Floats, Floats]:
-    """Polynomials of degree 3 over tangent spaces that their slopes turn."""
-    steps = coordinates[near] - coordinates[own][:, None]
-    squares = (steps**2).sum(axis=2)
-    size = np.sqrt(squares.max(axis=1))
-    size[size == 0] = 1.0
-    steps /= size[:, None, None]
-    weights = (near != own[:, None]).astype(np.float64)
-    tangents = _principal(steps * weights[:, :, None], dim)
-    known = np.ones(len(own), dtype=np.bool_)
-    for turn in range(_TURNS):
-        along = steps @ tangents.transpose(0, 2, 1)
-        across = steps - along @ tangents
-        # As far along as they are away: over chords a sphere is a paraboloid, and of
-        # other shapes only how the curvature changes is left to the higher degrees.
-        shadow = np.sqrt((along**2).sum(axis=2))
-        chord = np.sqrt((steps**2).sum(axis=2))
-        along *= (chord / np.where(shadow > 0, shadow, 1.0))[:, :, None]
-        terms = np.empty((*weights.shape, len(monomials)))
-        for place, factors in enumerate(monomials):
-            terms[:, :, place] = weights
-            for axis in factors:
-                terms[:, :, place] *= along[:, :, axis]
-        normal = terms.transpose(0, 2, 1) @ terms
-        scale = np.linalg.eigvalsh(normal)
-        known = scale[:, 0] > _DETERMINED * scale[:, -1]
-        normal[~known] = np.eye(len(monomials))
-        found = np.linalg.solve(normal, terms.transpose(0, 2, 1) @ across)
-        if turn < _TURNS - 1:
-            turned = tangents + found[:, :dim]
-            tangents = np.linalg.qr(turned.transpose(0, 2, 1))[0].transpose(0, 2, 1)
-    form = np.zeros((len(own), dim, dim, coordinates.shape[1]))
-    for place, term in enumerate(monomials):
-        if len(term) == 2:
-            i, j = term
-            value = found[:, place] * (2.0 if i == j else 1.0) / size[:, None]
-            form[:, i, j] = form[:, j, i] = value
-    tangents[~known], form[~known] = np.nan, np.nan
-    return tangents, form
-
-
-def _principal(steps: Floats, dim: int) -> Floats:
-    """Axes of the widest directions, by whichever square matrix is smaller."""
-    _, rows, columns = steps.shape
-    if columns <= rows:
-        _, vectors = np.linalg.eigh(steps.transpose(0, 2, 1) @ steps)
-        return np.ascontiguousarray(vectors[:, :, ::-1][:, :, :dim].transpose(0, 2, 1))
-    _, vectors = np.linalg.eigh(steps @ steps.transpose(0, 2, 1))
-    wide = steps.transpose(0, 2, 1) @ vectors[:, :, ::-1][:, :, :dim]
-    return np.asarray(np.linalg.qr(wide)[0].transpose(0, 2, 1))
 
 
 def _normal_directions(tangents: Floats) -> Floats:

@@ -45,6 +45,13 @@ class Operators:
         return elements_of(self.complex)
 
     @functools.cached_property
+    def frames(self) -> Floats:
+        """Frames of the elements, (M, K, K); those of flat ones the identity."""
+        frames = self.elements.frames.copy()
+        frames[self.elements.flat] = np.eye(self.dim)
+        return frames
+
+    @functools.cached_property
     def volumes(self) -> Floats:
         """Share of each vertex in the volume, (N,): the lumped mass."""
         shares = np.repeat(self.elements.volumes / (self.dim + 1), self.dim + 1)
@@ -221,28 +228,22 @@ class Operators:
     def frame_gradients(self, values: Floats) -> Floats:
         """Gradients in the frames of the simplices, (M, K) or (M, K, C); zero if flat."""
         steps = differences(values, self.simplices)
-        flat = self.elements.flat
-        frames = np.where(flat[:, None, None], np.eye(self.dim), self.elements.frames)
-        steps[flat] = 0.0
-        return solve_frames(frames, steps)
+        steps[self.elements.flat] = 0.0
+        return solve_frames(self.frames, steps)
 
     def ambient_frames(self) -> Floats:
         """Orthonormal axes of the frames in coordinates, (M, K, D); zero if flat."""
         coordinates = self.complex.coordinates
         edges = differences(coordinates, self.simplices)
-        flat = self.elements.flat
-        frames = np.where(flat[:, None, None], np.eye(self.dim), self.elements.frames)
-        axes = solve_frames(frames, edges)
-        axes[flat] = 0.0
+        axes = solve_frames(self.frames, edges)
+        axes[self.elements.flat] = 0.0
         return np.asarray(axes)
 
     def weak_divergence(self, vectors: Floats) -> Floats:
         """Products of vectors in the frames with the gradients of the hats, (N,)."""
-        flat = self.elements.flat
-        frames = np.where(flat[:, None, None], np.eye(self.dim), self.elements.frames)
         # Gradients of the coordinates of all vertices but the first are the columns of
         # the inverse; that of the first is minus their sum.
-        others = solve_frames(frames, vectors, transposed=True)
+        others = solve_frames(self.frames, vectors, transposed=True)
         sums = np.concatenate([-others.sum(axis=1, keepdims=True), others], axis=1)
         sums *= self.elements.volumes[:, None]
         return np.asarray(

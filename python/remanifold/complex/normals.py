@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from remanifold.complex.parts import face_keys
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -37,8 +39,9 @@ def vertex_normals(complex_: ComplexData) -> NDArray[np.float64]:
             # Inverted at the vertex, a sphere through it is a plane, over which the
             # simplices around it lie like the faces of a pyramid: their products add up
             # to that of its base, whatever their shapes.
-            squares = np.einsum("mkd,mkd->mk", edges, edges)
-            edges /= np.where(squares > 0, squares, 1)[:, :, None]
+            squares = (edges**2).sum(axis=2)
+            squares[squares == 0] = 1.0
+            edges /= squares[:, :, None]
             _add(sums, rows[:, i], (-1) ** i * _products(edges))
     sums[_contradictory(simplices)] = np.nan
     length = np.linalg.norm(sums, axis=1, keepdims=True)
@@ -62,6 +65,12 @@ def _contradictory(simplices: NDArray[np.int32]) -> NDArray[np.int32]:
             (-1) ** ((inversions + i) % 2) * np.ones(len(face), dtype=np.int64)
         )
     rows, sign = np.concatenate(faces), np.concatenate(signs)
+    keys = face_keys(rows)
+    if keys is not None:
+        # The same face with the same sign twice.
+        ascending = np.sort(keys * 2 + (sign > 0))
+        if not (ascending[1:] == ascending[:-1]).any():
+            return np.empty(0, dtype=np.int32)
     order = np.lexsort(rows.T)
     rows, sign = rows[order], sign[order]
     same = (rows[1:] == rows[:-1]).all(axis=1) & (sign[1:] == sign[:-1])

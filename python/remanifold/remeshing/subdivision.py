@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from remanifold.calculus.curvature import curvature
+from remanifold.calculus.curvature import second_forms
 from remanifold.complex.faces import parities
 
 if TYPE_CHECKING:
@@ -87,7 +87,7 @@ def _middles(whole: ComplexData, *, fitted: bool) -> Floats:
     middles = (points[i] + points[j]) / 2
     if not fitted or whole.dim >= points.shape[1]:
         return np.asarray(middles)
-    tangents = curvature(whole, None).tangents
+    tangents = second_forms(whole)[0]
     chords = points[j] - points[i]
     lengths = np.linalg.norm(chords, axis=1)
     bends = []
