@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar, overload
 
@@ -39,7 +40,6 @@ from remanifold.calculus.paths import (
     LogarithmMap,
     VoronoiCells,
     farthest_points,
-    flipped_path,
     frechet_mean,
     logarithm_map,
     refined_path,
@@ -57,6 +57,7 @@ from remanifold.calculus.regression import (
     fit_smooth,
 )
 from remanifold.calculus.spectrum import Spectrum, compute_spectrum
+from remanifold.calculus.straightening import Surface
 from remanifold.calculus.unrolling import CHART_METHODS, ChartMethod
 from remanifold.complex.data import ComplexData
 from remanifold.complex.measures import shapes
@@ -769,62 +770,66 @@ class Calculus(Generic[C]):
             How many points on each edge the path may pass, besides the vertices. 0:
             along the edges. More are nearer to the truth and cost their square.
         exact : bool
-            Straightened by edge flips instead, by potpourri3d: for surfaces in at most
-            three coordinates that are manifolds, orientable or not.
+            Straightened as far as that makes it shorter: for curves, and for surfaces
+            that are manifolds, orientable or not, by lengths alone. It begins with one
+            point on each edge; `points` does not count then.
 
         Returns
         -------
         SimplicialComplex
             Of dimension 1, its vertices in order from the start to the end, its `volume`
             the length of the path. Its `vertex_attributes` say where they are: ``edge``
-            their two vertices here, ``share`` how far along; none with ``exact``.
+            their two vertices here, ``share`` how far along.
 
         Raises
         ------
         ValueError
             Vertices that are the same, missing, or joined by no path; ``exact`` on other
             complexes.
-        ImportError
-            potpourri3d is not installed.
 
         Notes
         -----
         Paths bend at edges only, for K >= 3 too, and are too long; the page on calculus
-        has how much. Straightened ones are shortest among those nearby.
+        has how much. Straightened ones are straight on the triangles laid flat, and
+        shortest among those nearby: not always the shortest of all. For K >= 3 there are
+        none.
 
         References
         ----------
-        N. Sharp, K. Crane, You can find geodesic paths in triangle meshes by just
-        flipping edges, ACM Transactions on Graphics 39(6), 2020.
+        D. T. Lee, F. P. Preparata, Euclidean shortest paths in the presence of
+        rectilinear barriers, Networks 14, 1984.
+
+        S.-Q. Xin, G.-J. Wang, Efficiently determining a locally exact shortest path on
+        polyhedral surfaces, Computer-Aided Design 39(12), 2007.
         """
         ends = self._check_vertices([start, end], "start and end")
         number = check_int(points, "points", minimum=0)
         whole = self._complex
         if exact:
-            if whole.dim != 2 or (whole.ambient_dim or 9) > 3:
+            if whole.dim > 2:
                 msg = (
-                    "exact paths are for surfaces in at most three coordinates: leave "
-                    "exact out"
+                    "exact paths are for curves and surfaces, and the dimension is "
+                    f"{whole.dim}: leave exact out"
                 )
                 raise ValueError(msg)
-            if not whole.topology().manifold:
+            if whole.dim == 2 and not whole.topology().manifold:
                 msg = "exact paths are for manifolds, and this complex is none"
                 raise ValueError(msg)
+            number = whole.dim - 1  # along the edges is all that a curve has
         labels = self._operators.labels[ends]
         found = None
-        if labels[0] == labels[1] and not exact:
+        if labels[0] == labels[1]:
             found = refined_path(whole, int(ends[0]), int(ends[1]), number)
-        if labels[0] != labels[1] or (found is None and not exact):
+        if found is None:
             msg = f"no path leads from vertex {ends[0]} to vertex {ends[1]}"
             raise ValueError(msg)
-        if found is None:
-            way = flipped_path(whole, int(ends[0]), int(ends[1]))
-            attributes: dict[str, NDArray[Any]] = {}
-        else:
-            coordinates = whole.coordinates
-            first, last = (coordinates[found.edges[:, i]] for i in range(2))
-            way = first + found.shares[:, None] * (last - first)
-            attributes = {"edge": found.edges, "share": found.shares}
+        edges, shares = found
+        if exact and whole.dim == 2:
+            edges, shares = self._surface.straightened(edges, shares)
+        coordinates = whole.coordinates
+        first, last = (coordinates[edges[:, i]] for i in range(2))
+        way = first + shares[:, None] * (last - first)
+        attributes: dict[str, NDArray[Any]] = {"edge": edges, "share": shares}
         steps = np.arange(len(way) - 1, dtype=np.int32)
         return self._make(way, np.stack([steps, steps + 1], axis=1), attributes)
 
@@ -932,7 +937,7 @@ class Calculus(Generic[C]):
         Returns
         -------
         LogarithmMap
-            It takes exact distances from eight vertices, or by the heat method from some
+            It takes exact distances from seven vertices, or by the heat method from some
             twenty for K = 2, forty for K = 3. Near
             points that several shortest paths lead to, directions are between theirs.
 
@@ -1074,6 +1079,10 @@ class Calculus(Generic[C]):
         return shapes(self._complex)
 
     # ---------------------------------------------------------------------- checks
+
+    @functools.cached_property
+    def _surface(self) -> Surface:
+        return Surface(self._complex)
 
     def _along(self, method: GeodesicMethod) -> Distances:
         check_choice(method, "method", METHODS)

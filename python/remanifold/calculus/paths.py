@@ -9,8 +9,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from remanifold import _core
-from remanifold._base.optional import load
 from remanifold._base.read_only import ReadOnlyArrays
 from remanifold._base.text import one_line, rounded
 from remanifold.calculus.curvature import fit_at
@@ -29,7 +27,7 @@ if TYPE_CHECKING:
 # Vertices that a path may pass: no farther from both ends together than the way along the
 # edges, which is too long by about a tenth, and so much besides.
 _DETOUR = 1.2
-_MORE_THAN_UNKNOWNS = 2  # sources of exact distances for a logarithm
+_MORE_THAN_UNKNOWNS = 1  # sources of exact distances for a logarithm
 _RINGS = 2  # of vertices around a coarse path that a finer one may pass
 
 
@@ -212,71 +210,6 @@ def _symmetric(lengths: Floats, edges: NDArray[Any], count: int) -> Any:
     """Graph of edges; of the two ways SciPy takes the one that is there."""
     sparse = scipy_module("sparse")
     return sparse.csr_array((lengths, (edges[:, 0], edges[:, 1])), shape=(count, count))
-
-
-def flipped_path(complex_: ComplexData, start: int, end: int) -> Floats:
-    """Straightened by edge flips on a surface in space (Sharp and Crane, 2020)."""
-    solver = load("potpourri3d", "calculus").EdgeFlipGeodesicSolver
-    vertices = complex_.coordinates
-    space = np.pad(vertices, [(0, 0), (0, 3 - vertices.shape[1])])
-    triangles, copies = _sheets(complex_.simplices, start)
-    made = solver(space[copies], triangles.astype(np.int64))
-    starts, ends = (np.flatnonzero(copies == vertex) for vertex in (start, end))
-    # To either copy of the end on a cover, whichever is nearer.
-    ways = [
-        np.asarray(made.find_geodesic_path(int(starts[0]), int(one)), dtype=np.float64)
-        for one in ends
-    ]
-    lengths = [np.linalg.norm(np.diff(way, axis=0), axis=1).sum() for way in ways]
-    return ways[int(np.argmin(lengths))][:, : vertices.shape[1]]
-
-
-def _sheets(
-    triangles: NDArray[np.int32], start: int
-) -> tuple[NDArray[np.int32], NDArray[np.intp]]:
-    """Triangles of one orientation, and which vertices theirs are.
-
-    As they are, if that is so already. Else of an orientable surface its component; of others the cover by two sheets, which has
-    each vertex twice.
-    """
-    ahead = np.concatenate([triangles[:, [i, i - 1]] for i in range(3)])
-    if len(np.unique(ahead, axis=0)) == len(ahead):
-        used, compact = np.unique(triangles, return_inverse=True)
-        return compact.reshape(-1, 3).astype(np.int32), used.astype(np.intp)
-    sparse = scipy_module("sparse")
-    csgraph = scipy_module("sparse.csgraph")
-    both = np.concatenate([triangles, triangles[:, [0, 2, 1]]])
-    corners = np.arange(both.size).reshape(-1, 3)
-    order = [1, 2, 0]
-    sides = np.stack([both, both[:, order]], axis=2).reshape(-1, 2)
-    ends = np.stack([corners, corners[:, order]], axis=2).reshape(-1, 2)
-    # Sides of different triangles that lead opposite ways are the same edge.
-    up = sides[:, 0] < sides[:, 1]
-    number = np.arange(len(sides)) // 3 % len(triangles)
-    low, high = sides.min(axis=1), sides.max(axis=1)
-    rising, falling = (
-        own[np.lexsort((number[own], high[own], low[own]))]
-        for own in (np.flatnonzero(up), np.flatnonzero(~up))
-    )
-    edges = np.stack([low[rising], high[rising]], axis=1)
-    second = np.flatnonzero((edges[1:] == edges[:-1]).all(axis=1)) + 1
-    # The two triangles of an edge stand in the same order in both lists.
-    ones = np.concatenate([rising[second], rising[second - 1]])
-    others = np.concatenate([falling[second - 1], falling[second]])
-    joined = np.concatenate([ends[ones], ends[others][:, ::-1]], axis=1)
-    a, b = joined[:, [0, 1]].ravel(), joined[:, [2, 3]].ravel()
-    graph = sparse.coo_array((np.ones(len(a)), (a, b)), shape=(both.size, both.size))
-    labels = csgraph.connected_components(graph, directed=False)[1]
-    covered = labels[corners]
-    copies = np.empty(int(labels.max()) + 1, dtype=np.intp)
-    copies[covered] = both
-    whole = _core.component_labels(
-        np.ascontiguousarray(covered, dtype=np.int32), len(copies)
-    )
-    first = whole[np.flatnonzero(copies == start)[0]]
-    own = whole[covered[:, 0]] == first
-    used, compact = np.unique(covered[own], return_inverse=True)
-    return compact.reshape(-1, 3).astype(np.int32), copies[used]
 
 
 def farthest_points(
