@@ -23,6 +23,7 @@ import typer
 import remanifold as rm
 from command import MarkdownOption, make_app, print_lines
 from remanifold import datasets
+from remanifold.calculus.unrolling import stretches_of
 
 app = make_app()
 SIZES = (500, 2000, 8000)
@@ -157,7 +158,7 @@ def paths(
         random = np.random.default_rng(0)
         ends = random.choice(len(points), (pairs, 2), replace=False).tolist()
         options: list[dict[str, object]] = [{"points": n} for n in (0, 1, 2, 4, 8)]
-        options += [{"exact": True}] * (points.shape[1] <= 3 and dim == 2)
+        options += [{"exact": True}] * (dim == 2)
         for option in options:
             start = time.perf_counter()
             found = [rec.calculus.shortest_path(a, b, **option) for a, b in ends]
@@ -439,6 +440,111 @@ def tasks_beside_others(count: int) -> list[Task]:
         found = igl.grad(points, rows) @ height
         return found.reshape(3, -1).T
 
+    cap = datasets.spherical_cap(count, random_state=0)
+    dome = rm.reconstruct(cap, 2).simplices
+    faces = np.ascontiguousarray(dome, dtype=np.int64)
+    operators = fresh(cap, dome).calculus._operators
+    circle = igl.boundary_loop(faces)
+    circle = np.asarray(circle[0] if isinstance(circle, tuple) else circle)
+    ends = circle[[0, len(circle) // 2]].astype(np.int64)
+    apart = np.array([[0.0, 0.0], [1.0, 0.0]])
+
+    def own_chart(method: Any) -> Callable[[], object]:
+        def lay_out() -> object:
+            atlas = fresh(cap, dome).calculus.charts(method, max_distortion=1e3)
+            assert len(atlas) == 1
+            return atlas.charts[0].coordinates
+
+        return lay_out
+
+    def their_conformal() -> Any:
+        found = igl.lscm(cap, faces, ends, apart)
+        return found[0] if isinstance(found, tuple) else found
+
+    def their_rigid() -> object:
+        start = their_conformal()
+        own = np.abs(stretches_of(operators, start).prod(axis=1))
+        start = start / np.sqrt(np.average(own, weights=operators.elements.volumes))
+        data = igl.ARAPData()
+        data.max_iter = 20  # as many rounds as here
+        none = np.empty(0, dtype=np.int32)
+        igl.arap_precomputation(cap, faces, 2, none, data)
+        return igl.arap_solve(np.empty((0, 2)), data, start)
+
+    def angles_off(found: Any) -> float:
+        """Mean of the longer over the shorter axis of a circle, less 1."""
+        own = np.abs(stretches_of(operators, found))
+        return float((own.max(axis=1) / own.min(axis=1)).mean() - 1)
+
+    def lengths_off(found: Any) -> float:
+        """Mean factor of the worst length, less 1."""
+        own = np.abs(stretches_of(operators, found))
+        return float(np.maximum(own.max(axis=1), 1 / own.min(axis=1)).mean() - 1)
+
+    chosen = np.random.default_rng(0).choice(count, 20, replace=False)
+    cluster = np.flatnonzero(away < 0.8)[:: max(1, (away < 0.8).sum() // 20)]
+    to_sites = np.arccos(np.clip(points[chosen] @ points.T, -1, 1))
+    spread = (np.arccos(np.clip(points @ points[cluster].T, -1, 1)) ** 2).mean(axis=1)
+
+    def their_distances() -> Callable[[int], np.ndarray]:
+        solver = potpourri3d.MeshHeatMethodDistanceSolver(points, rows)
+        return lambda vertex: np.asarray(solver.compute_distance(int(vertex)))
+
+    def their_cells() -> object:
+        distances = their_distances()
+        return np.argmin([distances(site) for site in chosen], axis=0)
+
+    def cells_off(found: Any) -> float:
+        """Mean of how much farther the site found is than the nearest."""
+        labels = getattr(found, "labels", found)
+        return float((to_sites[labels, range(count)] - to_sites.min(axis=0)).mean())
+
+    def their_mean() -> object:
+        distances = their_distances()
+        return np.argmin(np.sum([distances(v) ** 2 for v in cluster], axis=0))
+
+    def mean_off(found: Any) -> float:
+        vertex = getattr(found, "vertex", found)
+        return float(np.sqrt(spread[vertex]) - np.sqrt(spread.min()))
+
+    def their_farthest() -> object:
+        distances = their_distances()
+        found = [0]
+        nearest = np.full(count, np.inf)
+        while len(found) < 50:
+            nearest = np.minimum(nearest, distances(found[-1]))
+            found.append(int(nearest.argmax()))
+        return np.array(found)
+
+    def uncovered(found: Any) -> float:
+        """The largest distance from them."""
+        return float(
+            np.arccos(np.clip(points @ points[found].T, -1, 1)).min(axis=1).max()
+        )
+
+    def their_samples() -> object:
+        import pymeshlab
+
+        meshes = pymeshlab.MeshSet()
+        meshes.add_mesh(pymeshlab.Mesh(points, rows))
+        length = np.sqrt(8 * np.pi / (count / 2) / np.sqrt(3))
+        meshes.meshing_isotropic_explicit_remeshing(
+            targetlen=pymeshlab.PureValue(length)
+        )
+        mesh = meshes.current_mesh()
+        return rm.SimplicialComplex(mesh.vertex_matrix(), mesh.face_matrix())
+
+    def unevenness(found: Any) -> float:
+        i, j = found.edges.T
+        lengths = np.linalg.norm(found.vertices[i] - found.vertices[j], axis=1)
+        return float(lengths.std() / lengths.mean())
+
+    def their_path() -> object:
+        solver = potpourri3d.EdgeFlipGeodesicSolver(points, rows)
+        return np.linalg.norm(
+            np.diff(solver.find_geodesic_path(start, count - 1), axis=0), axis=1
+        ).sum()
+
     def off_sphere(found: Any) -> float:
         return float(np.abs(np.linalg.norm(found, axis=1) - 1).mean())
 
@@ -536,6 +642,57 @@ def tasks_beside_others(count: int) -> list[Task]:
             their_finer,
             off_sphere,
         ),
+        Task(
+            "straightened path",
+            "potpourri3d",
+            lambda: (
+                fresh().calculus.shortest_path(start, count - 1, exact=True).volume()
+            ),
+            their_path,
+            lambda found: abs(found - away[-1]),
+        ),
+        Task(
+            "chart, `conformal`",
+            "libigl, LSCM",
+            own_chart("conformal"),
+            their_conformal,
+            angles_off,
+        ),
+        Task(
+            "chart, `rigid`",
+            "libigl, ARAP",
+            own_chart("rigid"),
+            their_rigid,
+            lengths_off,
+        ),
+        Task(
+            "50 farthest points, covering radius",
+            "potpourri3d, loop",
+            lambda: fresh().calculus.farthest_points(50),
+            their_farthest,
+            uncovered,
+        ),
+        Task(
+            "cells of 20 sites",
+            "potpourri3d, loop",
+            lambda: fresh().calculus.voronoi_cells(chosen),
+            their_cells,
+            cells_off,
+        ),
+        Task(
+            "mean of 20 vertices",
+            "potpourri3d, loop",
+            lambda: fresh().calculus.mean(cluster),
+            their_mean,
+            mean_off,
+        ),
+        Task(
+            "half as many, even; spread of edges",
+            "MeshLab",
+            lambda: fresh().resample(count // 2),
+            their_samples,
+            unevenness,
+        ),
     ]
 
 
@@ -543,6 +700,7 @@ def tasks_beside_others(count: int) -> list[Task]:
 def peers(
     count: Annotated[int, typer.Option(min=100, help="Samples.")] = 20_000,
     repeats: Annotated[int, typer.Option(min=1, help="Of which the best.")] = 3,
+    only: Annotated[str, typer.Option(help="Tasks whose name has this.")] = "",
     markdown: MarkdownOption = False,
 ) -> None:
     """CPU seconds and errors beside libraries for triangles, from the same triangles."""
@@ -557,6 +715,8 @@ def peers(
 
     lines = []
     for task in tasks_beside_others(count):
+        if only not in task.name:
+            continue
         mine, own = best(task.own)
         other, their = best(task.their)
         errors = ["", ""]

@@ -30,6 +30,12 @@ py::tuple elements_of_lengths(int dim, const InputArray<double>& squares) {
   return as_tuple(linear_elements(dim, to_vector(squares)), dim);
 }
 
+py::array rotations(const InputArray<double>& maps) {
+  const py::ssize_t dim = maps.shape(2);
+  return to_numpy(nearest_rotations(static_cast<int>(dim), to_vector(maps)),
+                  {maps.shape(0), dim, dim});
+}
+
 py::tuple forms(const InputArray<double>& points, const InputArray<Index>& edges,
                 int dim, const InputArray<Index>& vertices, int num_threads) {
   const SimplexArray lines{2, to_vector(edges)};
@@ -50,6 +56,7 @@ void bind_calculus(py::module_& module) {
              py::arg("simplices").noconvert());
   module.def("linear_elements_of_lengths", &elements_of_lengths, py::arg("dim"),
              py::arg("squares").noconvert());
+  module.def("nearest_rotations", &rotations, py::arg("maps").noconvert());
   module.def("second_forms", &forms, py::arg("points").noconvert(),
              py::arg("edges").noconvert(), py::arg("dim"),
              py::arg("vertices").noconvert(), py::arg("num_threads"));

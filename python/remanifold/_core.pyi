@@ -300,6 +300,7 @@ def linear_elements_of_lengths(
 ) -> tuple[
     NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]
 ]: ...
+def nearest_rotations(maps: NDArray[np.float64]) -> NDArray[np.float64]: ...
 def second_forms(
     points: NDArray[np.float64],
     edges: NDArray[np.int32],

@@ -36,4 +36,10 @@ LinearElements linear_elements(const MatrixView& points, const SimplexArray& sim
 /// \throws std::invalid_argument  another number of lengths
 LinearElements linear_elements(int dim, const std::vector<double>& squares);
 
+/// The rotation nearest to each of M linear maps of K dimensions, in the least squares of
+/// their entries; of a map that turns space over too.
+/// \param maps  M x K x K, row by row
+/// \throws std::invalid_argument  another number of entries
+std::vector<double> nearest_rotations(int dim, const std::vector<double>& maps);
+
 }  // namespace remanifold

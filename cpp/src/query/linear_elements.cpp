@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "remanifold/linear_elements.hpp"
 
-
-
 #include <Eigen/Core>
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <Eigen/SVD>
 
 #include <algorithm>
 #include <cmath>
@@ -144,7 +144,47 @@ class ElementKernel {
   LinearElements result_;
 };
 
+/// \tparam K  of the maps, or dynamic
+template <int K>
+void rotate_all(int dim, const std::vector<double>& maps, std::vector<double>& out) {
+  using Matrix = Eigen::Matrix<double, K, K, Eigen::RowMajor>;
+  const std::size_t size = static_cast<std::size_t>(dim) * dim;
+  Eigen::JacobiSVD<Eigen::Matrix<double, K, K>> solver(
+      dim, dim, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Matrix left(dim, dim);
+  for (std::size_t begin = 0; begin < maps.size(); begin += size) {
+    solver.compute(Eigen::Map<const Matrix>(maps.data() + begin, dim, dim));
+    left = solver.matrixU();
+    Eigen::Map<Matrix> result(out.data() + begin, dim, dim);
+    result.noalias() = left * solver.matrixV().transpose();
+    if (result.determinant() < 0) {
+      left.col(dim - 1) *= -1;  // of the least singular value
+      result.noalias() = left * solver.matrixV().transpose();
+    }
+  }
+}
+
 }  // namespace
+
+std::vector<double> nearest_rotations(int dim, const std::vector<double>& maps) {
+  if (dim < 1 || maps.size() % (static_cast<std::size_t>(dim) * dim) != 0) {
+    throw std::invalid_argument(std::to_string(maps.size()) +
+                                " entries for linear maps of dimension " +
+                                std::to_string(dim));
+  }
+  std::vector<double> result(maps.size());
+  switch (dim) {
+    case 2:
+      rotate_all<2>(dim, maps, result);
+      break;
+    case 3:
+      rotate_all<3>(dim, maps, result);
+      break;
+    default:
+      rotate_all<Eigen::Dynamic>(dim, maps, result);
+  }
+  return result;
+}
 
 LinearElements linear_elements(const MatrixView& points,
                                const SimplexArray& simplices) {
@@ -185,9 +225,8 @@ LinearElements linear_elements(int dim, const std::vector<double>& squares) {
   ElementKernel kernel(dim, given / pairs);
   for (Offset m = 0; m < given / pairs; ++m) {
     const double* own = squares.data() + m * pairs;
-    kernel.take(m, [&](int i, int j) {
-      return own[i * (2 * dim + 1 - i) / 2 + j - i - 1];
-    });
+    kernel.take(
+        m, [&](int i, int j) { return own[i * (2 * dim + 1 - i) / 2 + j - i - 1]; });
   }
   return std::move(kernel.result());
 }

@@ -92,8 +92,7 @@ class FitKernel {
         if (own.before < 0) {
           terms_.col(place) = along_.col(own.axis);
         } else {
-          terms_.col(place) =
-              terms_.col(own.before).cwiseProduct(along_.col(own.axis));
+          terms_.col(place) = terms_.col(own.before).cwiseProduct(along_.col(own.axis));
         }
       }
       known = solve();
@@ -287,15 +286,14 @@ SecondForms second_forms(const MatrixView& points, const SimplexArray& edges, in
   result.forms.resize(count * tangent * dim);
   detail::ThreadScratch<FitKernel> kernels(
       [&] { return FitKernel(points, beside, dim, monomials); });
-  detail::for_each_block(
-      count, kBlock, execution, [&](Offset begin, Offset end) {
-        kernels.use([&](FitKernel& kernel) {
-          for (Offset i = begin; i < end; ++i) {
-            kernel.fit(vertices[i], result.tangents.data() + i * tangent,
-                       result.forms.data() + i * tangent * dim);
-          }
-        });
-      });
+  detail::for_each_block(count, kBlock, execution, [&](Offset begin, Offset end) {
+    kernels.use([&](FitKernel& kernel) {
+      for (Offset i = begin; i < end; ++i) {
+        kernel.fit(vertices[i], result.tangents.data() + i * tangent,
+                   result.forms.data() + i * tangent * dim);
+      }
+    });
+  });
   return result;
 }
 

@@ -498,6 +498,7 @@ def _lay_out(
     )
     operators = Operators(part)
     candidates: list[tuple[str, Callable[[], Floats]]] = []
+    rim: NDArray[np.int32] | None = None
     if len(rows) == 1 or method == "tangent":
         candidates = [("tangent", lambda: _shadow(operators))]
     elif not operators.used.all() or operators.labels.max() > 0:
@@ -521,22 +522,27 @@ def _lay_out(
     for name, call in candidates:
         coordinates = call()
         stretches = stretches_of(operators, coordinates)
-        if _distortion(stretches) <= limit and _single(coordinates, rows):
+        if _distortion(stretches) <= limit and _single(
+            coordinates, rows, disc=rim is not None
+        ):
             used = part.vertex_indices
             return Chart(region, used, coordinates, stretches, name, _rows=as_given)
     return None
 
 
-def _single(coordinates: Floats, rows: NDArray[np.int32]) -> bool:
+def _single(coordinates: Floats, rows: NDArray[np.int32], *, disc: bool) -> bool:
     """Whether no simplex lies on another one, where none is turned over.
 
-    Then each center is in its own simplex, and each vertex in those that have it. In the
-    plane that the boundary does not cross itself is the same, and certain.
+    Then each center is in its own simplex, and each vertex in those that have it. Of a
+    disc in the plane that the boundary does not cross itself is enough, and certain: it
+    goes round each point inside once, as often as triangles lie there.
     """
     if len(rows) == 1:
         return True
     if rows.shape[1] == 3 and _crossing(coordinates, open_faces(rows)):
         return False
+    if disc:
+        return True
     flat = ComplexData(coordinates, rows)
     found = project(flat, coordinates[rows].mean(axis=1)).simplices
     solid = _solid(coordinates, rows)  # the centers of flat ones are in others too

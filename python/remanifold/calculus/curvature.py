@@ -179,9 +179,7 @@ def angle_defects(operators: Operators) -> AngleDefects:
     angles = np.empty(simplices.shape)
     angles[:, 0] = np.arctan2(high, along)
     angles[:, 1] = np.arctan2(high, base - along)
-    angles[:, 2] = np.arctan2(
-        high * base, high * high - along * (base - along)
-    )
+    angles[:, 2] = np.arctan2(high * base, high * high - along * (base - along))
     angles[flat] = 0.0
     sums = np.bincount(simplices.ravel(), angles.ravel(), count)
     rim = np.zeros(count, dtype=np.bool_)

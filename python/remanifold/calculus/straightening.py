@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import functools
+import itertools
 import math
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -140,11 +141,9 @@ class Surface:
             for (i, j), s in zip(edges, shares, strict=True)
         ]
         strip: list[int] = []
-        for one, other in zip(places[:-1], places[1:], strict=True):
+        for one, other in itertools.pairwise(places):
             both = one | other
-            own = [
-                t for t in self._star(min(one)) if both <= set(self._corners(t))
-            ]
+            own = [t for t in self._star(min(one)) if both <= set(self._corners(t))]
             if not strip:
                 strip.append(own[0])
                 continue
@@ -177,9 +176,7 @@ class Surface:
             if following < 0 or following == first:
                 return
             triangle = following
-            edge = next(
-                v for v in self._corners(triangle) if v not in (vertex, edge)
-            )
+            edge = next(v for v in self._corners(triangle) if v not in (vertex, edge))
             yield triangle
 
     def _trimmed(self, strip: list[int], start: int, end: int) -> list[int]:
@@ -192,9 +189,7 @@ class Surface:
                 found.append(triangle)
         first = max(k for k, t in enumerate(found) if start in self._corners(t))
         last = next(
-            k
-            for k, t in enumerate(found)
-            if k >= first and end in self._corners(t)
+            k for k, t in enumerate(found) if k >= first and end in self._corners(t)
         )
         return found[first : last + 1]
 
@@ -219,14 +214,12 @@ class Surface:
             return [], at[end]
         right, left = a, b
         portals = []
-        for before, after in zip(strip[:-1], strip[1:], strict=True):
+        for before, after in itertools.pairwise(strip):
             if portals:
                 gone = (set(self._corners(before)) & {left, right}) - set(
                     self._corners(after)
                 )
-                new = next(
-                    v for v in self._corners(before) if v not in (left, right)
-                )
+                new = next(v for v in self._corners(before) if v not in (left, right))
                 if gone == {left}:
                     left = new
                 else:
@@ -316,9 +309,7 @@ def _cross(origin: Point, one: Point, other: Point) -> float:
 
 def _between(at: Point, one: Point, other: Point) -> float:
     """Angle at a point, from 0 to pi."""
-    dot = (one[0] - at[0]) * (other[0] - at[0]) + (one[1] - at[1]) * (
-        other[1] - at[1]
-    )
+    dot = (one[0] - at[0]) * (other[0] - at[0]) + (one[1] - at[1]) * (other[1] - at[1])
     return math.atan2(abs(_cross(at, one, other)), dot)
 
 
@@ -408,7 +399,7 @@ def _funnel(portals: list[_Portal], goal: Point) -> list[_Corner]:
 
 def _length_of(portals: list[_Portal], goal: Point, corners: list[_Corner]) -> float:
     points = [(0.0, 0.0), *(_at(portals, corner) for corner in corners), goal]
-    return sum(math.dist(a, b) for a, b in zip(points[:-1], points[1:], strict=True))
+    return sum(math.dist(a, b) for a, b in itertools.pairwise(points))
 
 
 def _points(

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
 
 import numpy as np
 
+from remanifold import _core
 from remanifold.calculus.elements import differences
 from remanifold.calculus.solving import factorized, scipy_module
-from remanifold.complex.parts import open_faces
+from remanifold.complex.parts import face_keys, open_faces
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -58,8 +59,9 @@ def rim_of_disc(simplices: NDArray[np.int32]) -> NDArray[np.int32] | None:
     if len(loop) < len(rim):  # more than one loop
         return None
     edges = np.sort(simplices[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    vertices = len(np.unique(simplices))
-    euler = vertices - len(np.unique(edges, axis=0)) + len(simplices)
+    keys = face_keys(edges)
+    assert keys is not None  # of two numbers of 31 bits
+    euler = len(np.unique(simplices)) - len(np.unique(keys)) + len(simplices)
     return np.array(loop, dtype=np.int32) if euler == 1 else None
 
 
@@ -160,10 +162,7 @@ def _rotations(maps: Floats) -> Floats:
         cosine, sine = cosine / size, sine / size
         rows = np.stack([cosine, sine, -sine, cosine], axis=1)
         return np.asarray(rows.reshape(-1, 2, 2))
-    left, _, right = np.linalg.svd(maps)
-    turned = np.linalg.det(left @ right) < 0
-    left[turned, :, -1] *= -1
-    return np.asarray(left @ right)
+    return _core.nearest_rotations(np.ascontiguousarray(maps))
 
 
 def _hops(operators: Operators, start: int) -> Floats:

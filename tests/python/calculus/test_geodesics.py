@@ -39,7 +39,7 @@ def relative_errors(found, true):
 
 # What was measured, with a margin of a third.
 @pytest.mark.parametrize(
-    ("method", "error"), [("graph", 0.07), ("heat", 0.03), ("exact", 0.002)]
+    ("method", "error"), [("graph", 0.07), ("heat", 0.01), ("exact", 0.002)]
 )
 def test_distances_on_a_sphere(sphere, method, error):
     rec, true = sphere
@@ -53,7 +53,7 @@ def test_distances_on_a_sphere(sphere, method, error):
 
 
 @pytest.mark.parametrize(
-    ("method", "error"), [("graph", 0.08), ("heat", 0.03), ("exact", 0.003)]
+    ("method", "error"), [("graph", 0.08), ("heat", 0.02), ("exact", 0.003)]
 )
 @pytest.mark.parametrize("ambient", [4, 20])
 def test_distances_on_a_flat_torus(flat_torus, method, error, ambient):
@@ -80,12 +80,29 @@ def test_distances_on_a_three_sphere():
     assert mean["auto"] < 0.6 * mean["graph"]
 
 
-def test_both_heat_methods_agree_on_good_triangles(sphere):
-    rec, _ = sphere
-    solve = geodesics._heat(rec)
-    by_library = rec.geodesic_distances(SOURCES, "heat")
-    own = [solve(source) for source in SOURCES]
-    np.testing.assert_allclose(own, by_library, atol=0.01)
+@pytest.mark.slow
+def test_heat_is_nearer_than_that_of_others(sphere):
+    """By the library that the method came with: too short by their mean cosine."""
+    potpourri3d = pytest.importorskip("potpourri3d")
+    rec, true = sphere
+    solver = potpourri3d.MeshHeatMethodDistanceSolver(
+        rec.vertices, rec.simplices.astype(np.int64)
+    )
+    theirs = np.array([solver.compute_distance(source) for source in SOURCES])
+    own = rec.geodesic_distances(SOURCES, "heat")
+    assert np.abs(own - true).mean() < np.abs(theirs - true).mean() / 2
+
+
+def test_heat_on_a_disk_with_its_boundary():
+    """Straight lines; where heat is thought to stay inside it is off by 0.014."""
+    random = np.random.default_rng(0)
+    angle, radius = 2 * np.pi * random.random(2000), np.sqrt(random.random(2000))
+    disk = rm.reconstruct(
+        np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1), 2
+    )
+    found = disk.geodesic_distances([0, 7, 100], "heat")
+    true = np.linalg.norm(disk.vertices - disk.vertices[[0, 7, 100]][:, None], axis=2)
+    assert np.abs(found - true).mean() < 0.008
 
 
 def test_heat_falls_off_without_underflow():
@@ -204,13 +221,10 @@ def test_bad_methods_are_refused(flat_torus):
     assert rec.geodesic_distances([], "graph").shape == (0, 1000)
 
 
-@pytest.mark.parametrize(
-    ("package", "method"),
-    [("scipy", "graph"), ("potpourri3d", "heat")],
-)
-def test_missing_packages_are_named(package, method):
+@pytest.mark.parametrize("method", ["graph", "heat"])
+def test_missing_packages_are_named(method):
     script = (
-        f"import sys; sys.modules[{package!r}] = None; import remanifold as rm\n"
+        "import sys; sys.modules['scipy'] = None; import remanifold as rm\n"
         "triangle = rm.SimplicialComplex([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])\n"
         "try:\n"
         f"    triangle.geodesic_distances(0, {method!r})\n"

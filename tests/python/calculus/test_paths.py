@@ -68,7 +68,6 @@ def test_paths_are_nearly_shortest(manifold, points, surplus):
 
 
 def test_straightened_paths():
-    pytest.importorskip("potpourri3d")
     rec = rm.reconstruct(rm.datasets.sphere(1000, random_state=0), 2)
     path = rec.calculus.shortest_path(3, 500, exact=True)
     true = on_sphere(rec.vertices, 3)[500]
@@ -80,7 +79,6 @@ def test_straightened_paths():
 @pytest.mark.parametrize("draw", [rm.datasets.moebius_band, rm.datasets.sphere])
 def test_straightened_paths_whatever_the_orientation(draw):
     """On a band with one side, and on triangles that were turned over at random."""
-    pytest.importorskip("potpourri3d")
     rec = rm.reconstruct(draw(300, random_state=0), 2)
     turned = rec.simplices.copy()
     some = np.random.default_rng(0).random(len(turned)) < 0.5
@@ -100,6 +98,46 @@ def test_straightened_paths_whatever_the_orientation(draw):
     # Shortest among those nearby, which may not be the shortest.
     assert min(surplus) > -1e-9
     assert np.median(surplus) < 1e-9
+
+
+@pytest.mark.parametrize("kind", ["points", "gram", "distances"])
+@pytest.mark.parametrize("draw", [rm.datasets.flat_torus, rm.datasets.klein_bottle])
+def test_straightened_paths_in_four_coordinates_and_by_lengths(draw, kind):
+    """As long as the distance along the triangles; never shorter, rarely longer."""
+    points = draw(400, random_state=0)
+    given = {
+        "points": points,
+        "gram": points @ points.T,
+        "distances": np.linalg.norm(points[:, None] - points, axis=2),
+    }[kind]
+    surface = rm.reconstruct(**{kind: given}, dim=2)
+    surplus = []
+    for start, end in ((0, 200), (3, 399), (50, 60), (7, 311)):
+        path = surface.calculus.shortest_path(start, end, exact=True)
+        edge, share = path.vertex_attributes["edge"], path.vertex_attributes["share"]
+        assert edge[0].tolist() == [start] * 2
+        assert edge[-1].tolist() == [end] * 2
+        assert ((share >= 0) & (share <= 1)).all()
+        away = surface.geodesic_distances(start, "exact")[0, end]
+        surplus.append(path.volume() / away - 1)
+    assert min(surplus) > -1e-7
+    assert sorted(surplus)[1] < 1e-7
+    assert max(surplus) < 0.02
+
+
+def test_straightened_paths_pass_corners_and_edges():
+    """An L of unit squares: around the inner corner, along its sides, straight across."""
+    corners = [[0, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2]]
+    shape = rm.SimplicialComplex(corners, [[0, 1, 3], [1, 2, 3], [0, 3, 5], [3, 4, 5]])
+    around = shape.calculus.shortest_path(2, 4, exact=True)
+    np.testing.assert_allclose(around.vertices, [[2, 1], [1, 1], [1, 2]])
+    across = shape.calculus.shortest_path(1, 5, exact=True)
+    np.testing.assert_allclose(across.volume(), 2 * np.sqrt(2))
+    curve = rm.SimplicialComplex([[0, 0], [1, 0], [1, 1]], [[0, 1], [1, 2]])
+    assert curve.calculus.shortest_path(0, 2, exact=True).volume() == 2
+    solid = cube(1, 3)
+    with pytest.raises(ValueError, match="for curves and surfaces"):
+        solid.calculus.shortest_path(0, 7, exact=True)
 
 
 def test_paths_in_a_cube_and_by_lengths():
@@ -220,7 +258,10 @@ def test_two_components():
         (lambda c: c.shortest_path(1, 1), "for the second time"),
         (lambda c: c.shortest_path(0, 99), r"start and end\[1\] is 99"),
         (lambda c: c.shortest_path(0, 1, points=-1), "points is -1"),
-        (lambda c: c.shortest_path(0, 1, exact=True), "exact paths are for surfaces"),
+        (
+            lambda c: c.shortest_path(0, 1, exact=True),
+            "exact paths are for curves and surf",
+        ),
         (lambda c: c.farthest_points(0), "count is 0"),
         (lambda c: c.farthest_points(99), "count is 99, but there are 27 vertices"),
         (lambda c: c.farthest_points(2, start=99), r"start\[0\] is 99"),
