@@ -467,9 +467,8 @@ def tasks_beside_others(count: int) -> list[Task]:
         start = start / np.sqrt(np.average(own, weights=operators.elements.volumes))
         data = igl.ARAPData()
         data.max_iter = 20  # as many rounds as here
-        none = np.empty(0, dtype=np.int32)
-        igl.arap_precomputation(cap, faces, 2, none, data)
-        return igl.arap_solve(np.empty((0, 2)), data, start)
+        igl.arap_precomputation(cap, faces, 2, ends[:1].astype(np.int32), data)
+        return igl.arap_solve(start[ends[:1]], data, start)
 
     def angles_off(found: Any) -> float:
         """Mean of the longer over the shorter axis of a circle, less 1."""

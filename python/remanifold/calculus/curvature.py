@@ -181,10 +181,10 @@ def angle_defects(operators: Operators) -> AngleDefects:
     angles[:, 1] = np.arctan2(high, base - along)
     angles[:, 2] = np.arctan2(high * base, high * high - along * (base - along))
     angles[flat] = 0.0
-    sums = np.bincount(simplices.ravel(), angles.ravel(), count)
+    sums = np.asarray(np.bincount(simplices.ravel(), angles.ravel(), count), np.float64)
     rim = np.zeros(count, dtype=np.bool_)
     rim[open_faces(simplices)] = True
-    defects = np.where(rim, np.pi, 2 * np.pi) - sums
+    defects: Floats = np.where(rim, np.pi, 2 * np.pi) - sums
     topology = operators.complex.topology()
     singular = np.zeros(count, dtype=np.bool_)
     singular[topology.singular_vertices] = True

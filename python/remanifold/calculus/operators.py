@@ -47,9 +47,9 @@ class Operators:
     @functools.cached_property
     def frames(self) -> Floats:
         """Frames of the elements, (M, K, K); those of flat ones the identity."""
-        frames = self.elements.frames.copy()
+        frames: Floats = self.elements.frames.copy()
         frames[self.elements.flat] = np.eye(self.dim)
-        return frames
+        return np.asarray(frames)
 
     @functools.cached_property
     def volumes(self) -> Floats:

@@ -213,7 +213,7 @@ class Surface:
         if len(strip) == 1:
             return [], at[end]
         right, left = a, b
-        portals = []
+        portals: list[_Portal] = []
         for before, after in itertools.pairwise(strip):
             if portals:
                 gone = (set(self._corners(before)) & {left, right}) - set(
