@@ -10,8 +10,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <cstring>
 #include <future>
+#include <stdexcept>
 #include <string>
+#include <system_error>
 #include <utility>
 
 namespace remanifold::python {
@@ -44,6 +47,13 @@ inline const char* step_name(Step step) {
   return "";
 }
 
+/// What to say where the system starts no more threads, which it gives a short reason for.
+inline std::runtime_error no_thread(const char* reason) {
+  return std::runtime_error(
+      std::string("a thread cannot be started (") + reason +
+      "): the limit of processes or of memory is reached; num_threads=1 takes fewest");
+}
+
 /// \param on_progress  None, or called as on_progress(step, done, total)
 /// \param work  called with the Execution; must not touch Python objects
 template <class Work>
@@ -58,7 +68,11 @@ auto run(int num_threads, const py::object& on_progress, Work&& work) {
   };
   {
     const py::gil_scoped_release release;
-    result = std::async(std::launch::async, [&] { return work(execution); });
+    try {
+      result = std::async(std::launch::async, [&] { return work(execution); });
+    } catch (const std::system_error& error) {
+      throw no_thread(error.what());
+    }
   }
   try {
     while (!wait(interval)) {
@@ -77,7 +91,15 @@ auto run(int num_threads, const py::object& on_progress, Work&& work) {
     result.wait();
     throw;
   }
-  return result.get();
+  try {
+    return result.get();
+  } catch (const std::runtime_error& error) {
+    // TBB's only word for it.
+    if (std::strncmp(error.what(), "pthread_create", 14) == 0) {
+      throw no_thread(error.what());
+    }
+    throw;
+  }
 }
 
 }  // namespace remanifold::python

@@ -52,6 +52,11 @@ def solve_program(
     -------
     ndarray, shape (n,) or (0,), float64
         Nothing where no solution was found within `MAX_NODES` nodes.
+
+    Raises
+    ------
+    MemoryError
+        Memory ran out within the solver.
     """
     import highspy  # most results ask for no program, and it takes its time
 
@@ -97,6 +102,10 @@ def solve_program(
     more = highspy.HighsModelStatus.kIterationLimit
     while solver.getModelStatus() == more and not cancelled():
         solver.run()
+    # The solver takes a failed allocation for the end of the search.
+    if solver.getModelStatus() == highspy.HighsModelStatus.kMemoryLimit:
+        msg = "no memory is left for a program"
+        raise MemoryError(msg)
     if solver.getInfo().primal_solution_status != 2:  # feasible
         return np.empty(0)
     return np.array(solver.getSolution().col_value)
