@@ -8,6 +8,7 @@ __all__ = [
     "FileWarning",
     "ManifoldWarning",
     "MatrixWarning",
+    "MissingWarning",
     "RecallWarning",
     "RemanifoldWarning",
     "TransposedWarning",
@@ -49,6 +50,10 @@ class DroppedWarning(RemanifoldWarning):
 
 class MatrixWarning(RemanifoldWarning):
     """What was given as points is a matrix of inner products or of distances."""
+
+
+class MissingWarning(RemanifoldWarning):
+    """Many samples lie at one position, as those do that mark missing ones."""
 
 
 class TransposedWarning(RemanifoldWarning):

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import functools
+import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 Kind = Literal["points", "gram", "distances"]
 _ROUNDING = 2.0**-48  # of the largest coordinate: samples nearer than this are one
 _FEWEST = 6  # rows of a matrix that is symmetric by no accident
+_CHANCE = 1e-3  # of a place with so many copies, over all data: as of an opening
 _FEW_COORDINATES = 8  # up to which differences cost less than products
 
 
@@ -76,6 +78,14 @@ class Input(ABC):
     def local_products(self, members: NDArray[np.integer]) -> Floats:
         """Matrices with the spectra of neighborhoods but for zeros; `members` is (B, c)."""
 
+    def words_of_place(self, i: int) -> str:  # noqa: ARG002  no place is known here
+        """Where sample i lies, after the word that says so."""
+        return ""
+
+    def is_plain(self, i: int) -> bool:  # noqa: ARG002  as above
+        """Whether sample i is zero, or one number throughout, as no measured one is."""
+        return False
+
     @abstractmethod
     def first_copies(self) -> NDArray[np.int64]:
         """For each sample the first one that coincides with it up to rounding."""
@@ -130,6 +140,15 @@ class Points(Input):
         small = local.shape[2] < local.shape[1]
         return np.asarray(turned @ local if small else local @ turned)
 
+    def words_of_place(self, i: int) -> str:
+        row = self.matrix[i]
+        shown = ", ".join(f"{x:.6g}" for x in row[:_FEW_COORDINATES].tolist())
+        return f" at ({shown}{', ...' if len(row) > _FEW_COORDINATES else ''})"
+
+    def is_plain(self, i: int) -> bool:
+        row = self.matrix[i]
+        return len(row) > 1 and bool((row == row[0]).all())
+
     def first_copies(self) -> NDArray[np.int64]:
         # Only samples that share a first coordinate need a second look.
         largest = self.scale
@@ -180,6 +199,43 @@ class _Square(Input):
         """Which samples are sample i up to rounding."""
 
 
+def looks_like_a_mark(
+    samples: Input, representatives: NDArray[np.integer], used: NDArray[np.integer]
+) -> str | None:
+    """What to say of many copies of one sample, as where it stands for missing ones.
+
+    Depth cameras give zeros where they see nothing, which are another point once a scan is
+    turned and shifted. Copies by chance are many places with few each: a mark has more
+    than chance leaves to any place, and is one number throughout or alone.
+
+    Parameters
+    ----------
+    representatives : array of int, shape (N,)
+        Of each sample, the first one that it coincides with.
+    used : array of int
+        Samples in simplices.
+    """
+    counts = np.bincount(representatives)
+    place = int(np.argmax(counts))
+    copies = int(counts[place]) - 1
+    if copies < 1:
+        return None
+    places = int(np.count_nonzero(counts))
+    # The tail of Poisson's law at the rate of the other places, to which one copy is added:
+    # that there are none may be chance as well.
+    rate = (len(representatives) - places - copies + 1) / places
+    by_chance = math.log(places) + copies * math.log(rate) - math.lgamma(copies + 1)
+    if by_chance > math.log(_CHANCE) or not (
+        samples.is_plain(place) or not (used == place).any()
+    ):
+        return None
+    return (
+        f"{copies + 1:,} of {len(representatives):,} samples coincide"
+        f"{samples.words_of_place(place)}, sample {place:,} and copies of it, and count as "
+        "one: if they mark missing ones, leave them out"
+    )
+
+
 def looks_like_a_matrix(points: Floats) -> str | None:
     """What to say of points that are a matrix of distances, or of inner products."""
     count = len(points)
@@ -209,6 +265,9 @@ class Gram(_Square):
 
     kind = "gram"
     words = "inner products"
+
+    def is_plain(self, i: int) -> bool:
+        return bool(self.matrix[i, i] == 0)
 
     def squared_distances(self, a: NDArray[Any], b: NDArray[Any]) -> Floats:
         matrix = self.matrix

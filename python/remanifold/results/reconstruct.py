@@ -13,7 +13,7 @@ import numpy as np
 from remanifold import _core
 from remanifold._base.distinct import distinct
 from remanifold._base.progress import progress_callback
-from remanifold._base.samples import Points, looks_like_a_matrix
+from remanifold._base.samples import Points, looks_like_a_mark, looks_like_a_matrix
 from remanifold._base.validation import (
     check_choice,
     check_dim,
@@ -48,6 +48,7 @@ from remanifold.warnings import (
     DroppedWarning,
     ManifoldWarning,
     MatrixWarning,
+    MissingWarning,
     TransposedWarning,
 )
 
@@ -191,6 +192,8 @@ def reconstruct(
         Outliers were left out and `outliers` was not given.
     MatrixWarning
         The points are a symmetric matrix, as those of products and distances are.
+    MissingWarning
+        One sample has more copies than chance leaves, as what marks missing ones.
     TransposedWarning
         More coordinates than samples, and too few of these for a single fit.
     RecallWarning
@@ -468,6 +471,8 @@ def _warn_of_nonsense(rec: Reconstruction, samples: Input, options: Options) -> 
             f"points has {count:,} samples of {columns:,} coordinates, too few to tell "
             f"anything: if it holds {columns:,} samples, transpose it",
         )
+    if said := looks_like_a_mark(samples, rec.representatives, rec.simplices):
+        _warn(MissingWarning, said)
     # What was asked for is no news.
     if len(rec.outliers) and options.outliers is None:
         left = len(rec.outliers)

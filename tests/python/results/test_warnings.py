@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import warnings
 
+import laspy
 import numpy as np
 import pytest
 
@@ -66,6 +67,80 @@ def test_matrices_that_are_no_points():
     found, _ = said(away.astype(np.float32), 2)
     assert rm.MatrixWarning in found
     assert rm.MatrixWarning not in said(distances=away, dim=2)[0]
+
+
+def depth_image(marks=200, at=(0.0, 0.0, 0.0)):
+    """A cap before the camera, among pixels that saw nothing."""
+    cap = rm.datasets.spherical_cap(600, random_state=0) + np.array([0, 0, 3])
+    points = np.vstack([cap, np.tile(at, (marks, 1))])
+    return np.random.default_rng(0).permutation(points)
+
+
+def test_copies_that_mark_missing_samples():
+    points = depth_image()
+    first = int(np.argmin(np.abs(points).sum(axis=1)))
+    found, rec = said(points, 2)
+    assert found[rm.MissingWarning] == (
+        f"200 of 800 samples coincide at (0, 0, 0), sample {first} and copies of it, and "
+        "count as one: if they mark missing ones, leave them out"
+    )
+    assert rec.topology().betti_numbers == (1, 0, 0)
+    # As another position shows where nothing is, and without positions.
+    assert "(1, 2, 9)" in said(depth_image(50, (1.0, 2, 9)), 2)[0][rm.MissingWarning]
+    assert rm.MissingWarning in said(gram=points @ points.T, dim=2)[0]
+    away = np.linalg.norm(points[:, None] - points, axis=2)
+    assert rm.MissingWarning in said(distances=away, dim=2)[0]
+    beside = np.vstack([points, np.full((5, 3), np.nan)])
+    assert rm.MissingWarning in said(beside, 2, invalid="drop")[0]
+
+
+def test_copies_that_mark_nothing():
+    cap = depth_image(0)
+    drawn = np.random.default_rng(1).integers(0, len(cap), 1500)
+    turns, heights = np.meshgrid(np.linspace(0, 2 * np.pi, 20), np.linspace(0, 1, 20))
+    cone = np.stack([heights * np.cos(turns), heights * np.sin(turns), 1 + heights], -1)
+    for points in (
+        *(cap, cap[drawn], np.repeat(cap, 5, axis=0), cone.reshape(-1, 3)),
+        *(depth_image(1), np.vstack([cap, cap[:1]])),
+    ):
+        assert rm.MissingWarning not in said(points, 2)[0]
+
+
+@pytest.mark.parametrize(
+    "suffix",
+    [
+        ".csv",
+        ".npy",
+        ".npz",
+        ".ply",
+        ".pcd",
+        ".xyz",
+        ".txt",
+        ".las",
+        ".vtp",
+        ".parquet",
+    ],
+)
+def test_marks_in_files(tmp_path, suffix):
+    path = tmp_path / f"a{suffix}"
+    if suffix == ".pcd":
+        rows = "\n".join(" ".join(map(str, row)) for row in depth_image().tolist())
+        path.write_text(
+            "VERSION .7\nFIELDS x y z\nSIZE 8 8 8\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 800\n"
+            f"HEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 800\nDATA ascii\n{rows}\n"
+        )
+    elif suffix == ".las":
+        cloud = laspy.LasData(laspy.LasHeader(point_format=2, version="1.2"))
+        cloud.header.scales = [1e-6] * 3
+        cloud.x, cloud.y, cloud.z = depth_image().T
+        cloud.write(path)
+    else:
+        if suffix == ".parquet":
+            pytest.importorskip("pyarrow")
+        rm.io.write_points(path, depth_image())
+    points = rm.io.read_points(path)
+    assert len(points) == 800
+    assert "200 of 800" in said(points, 2)[0][rm.MissingWarning]
 
 
 def with_outliers():
