@@ -114,7 +114,7 @@ def in_tiles(path, shape, workers, tile_size):
             "written": written // 2**20,
             "tiles": rec.manifest["tiles"],
             "again": rec.manifest["tiles_again"],
-            "steps": rec.manifest["seconds"],
+            "stages": rec.manifest["stages"],
             "digest": digest_of(rec.simplices),
         }
 

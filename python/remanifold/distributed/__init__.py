@@ -6,10 +6,12 @@ from remanifold.distributed._result import (
     DistributedTopology,
 )
 from remanifold.distributed._run import BeyondTilesError, reconstruct
+from remanifold.distributed._sources import ChangedSourceError
 from remanifold.distributed._store import LostPartError
 
 __all__ = [
     "BeyondTilesError",
+    "ChangedSourceError",
     "DistributedReconstruction",
     "DistributedTopology",
     "LostPartError",

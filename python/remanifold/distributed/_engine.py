@@ -5,13 +5,24 @@ from __future__ import annotations
 
 import hashlib
 import pickle
+import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from remanifold._base.optional import load
 from remanifold.distributed._store import Part, Store
+
+
+@dataclass
+class Stage:
+    """What a step came to."""
+
+    tasks: int = 0
+    known: int = 0  # parts that an earlier run had made
+    bytes: int = 0  # of its parts
+    seconds: float = 0.0
 
 
 class Engine:
@@ -29,7 +40,7 @@ class Engine:
         self._client = client
         self._store = store
         self._told = told
-        self.known = 0  # parts that an earlier run had made
+        self.stages: dict[str, Stage] = {}
 
     def run(
         self,
@@ -38,6 +49,8 @@ class Engine:
         tasks: Sequence[tuple[Any, ...]],
     ) -> list[Any]:
         """The results of a function of each task, in order; parts are remembered."""
+        start = time.monotonic()
+        stage = self.stages.setdefault(step, Stage())
         results: list[Any] = [None] * len(tasks)
         names = []
         for task in tasks:
@@ -50,7 +63,7 @@ class Engine:
             said = self._store.read_json(name)
             if said is not None and self._store.has(part := Part(**said)):
                 results[i] = part
-                self.known += 1
+                stage.known += 1
             else:
                 left.append(i)
         done = len(tasks) - len(left)
@@ -61,6 +74,9 @@ class Engine:
                 self._store.write_json(names[i], asdict(result))
             done += 1
             self._tell(step, done, len(tasks))
+        stage.tasks += len(tasks)
+        stage.bytes += sum(one.size for one in results if isinstance(one, Part))
+        stage.seconds += time.monotonic() - start
         return results
 
     def _each(
@@ -92,7 +108,9 @@ class Engine:
 
 
 @contextmanager
-def client_of(client: Any, num_workers: int | None) -> Iterator[Any]:
+def client_of(
+    client: Any, num_workers: int | None, memory_limit: str | int | None = None
+) -> Iterator[Any]:
     """The given client, or one with a cluster on this machine alone; None for 0 workers."""
     if client is not None or num_workers == 0:
         yield client
@@ -102,6 +120,7 @@ def client_of(client: Any, num_workers: int | None) -> Iterator[Any]:
         distributed.LocalCluster(
             n_workers=num_workers,
             threads_per_worker=1,
+            memory_limit="auto" if memory_limit is None else memory_limit,
             host="127.0.0.1",
             dashboard_address="127.0.0.1:0",
         ) as cluster,

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,6 +13,12 @@ from numpy.typing import NDArray
 from remanifold import _core
 from remanifold._base.samples import Points
 from remanifold.distributed._store import Arrays, Part, Store
+
+# What a tile says of its patches.
+PATCHES = (
+    *("orientable", "component", "open", "patches"),
+    *("first", "first_points", "first_sign", "volumes", "sizes"),
+)
 
 
 class _SignedSets:
@@ -47,31 +52,16 @@ class _SignedSets:
         return True
 
 
-def value_at(store: Store, parts: list[Part], name: str, rank: int) -> float:
-    """The rank-th smallest, from 0, of positive values in many parts, one at a time."""
-    prefix, known = np.uint64(0), 0
-    for bits in (20, 40, 64):
-        pieces: dict[int, int] = {}
-        for values in _bits_of(store, parts, name, prefix, known):
-            keys, counts = np.unique(values >> np.uint64(64 - bits), return_counts=True)
-            for key, count in zip(keys.tolist(), counts.tolist(), strict=True):
-                pieces[key] = pieces.get(key, 0) + count
-        for key in sorted(pieces):
-            if rank < pieces[key]:
-                prefix, known = np.uint64(key), bits
-                break
-            rank -= pieces[key]
-    return float(np.array([prefix], dtype=np.uint64).view(np.float64)[0])
-
-
-def _bits_of(
-    store: Store, parts: list[Part], name: str, prefix: np.uint64, known: int
-) -> Iterator[NDArray[np.uint64]]:
-    for part in parts:
-        values = store.get(part, name)[name].view(np.uint64)
-        if known:
-            values = values[values >> np.uint64(64 - known) == prefix]
-        yield values
+def ranked_piece(
+    counts: list[tuple[NDArray[np.uint64], NDArray[np.int64]]], rank: int
+) -> tuple[int, int]:
+    """The key that the rank-th of all that were counted has, and its rank among these."""
+    keys = np.concatenate([one for one, _ in counts])
+    numbers = np.concatenate([one for _, one in counts])
+    pieces, slot = np.unique(keys, return_inverse=True)
+    ends = np.cumsum(np.bincount(slot, weights=numbers).astype(np.int64))
+    at = int(np.searchsorted(ends, rank, side="right"))
+    return int(pieces[at]), rank - (int(ends[at - 1]) if at else 0)
 
 
 @dataclass
@@ -90,7 +80,7 @@ def merge(
     store: Store, parts: list[Part], whole: Any, ambient_dim: int, dim: int
 ) -> Whole:
     """Join the patches of the tiles along the seams, and turn each as in one piece."""
-    tiles = [store.get(part) for part in parts]
+    tiles = [store.get(part, *PATCHES) for part in parts]  # no simplices
     counts = [len(tile["orientable"]) for tile in tiles]
     starts = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
     sets, components = _SignedSets(int(starts[-1])), _SignedSets(int(starts[-1]))
@@ -106,11 +96,12 @@ def merge(
             )
     for t, part in enumerate(parts):
         for other in map(int, part.meta["seams"]):
-            here, there = f"seam_patch_{other}", f"seam_patch_{t}"
-            if other < t or here not in tiles[t]:
+            if other < t or other not in part.meta["joins"]:
                 continue
-            products = tiles[t][f"seam_sign_{other}"] * tiles[other][f"seam_sign_{t}"]
-            joins = np.stack([tiles[t][here], tiles[other][there], products], axis=1)
+            patch_here, sign_here = _seam(store, part, other)
+            patch_there, sign_there = _seam(store, parts[other], t)
+            products = sign_here * sign_there
+            joins = np.stack([patch_here, patch_there, products], axis=1)
             for a, b, product in np.unique(joins, axis=0).tolist():
                 node_a, node_b = int(starts[t] + a), int(starts[other] + b)
                 components.join(node_a, node_b, 1)
@@ -149,6 +140,12 @@ def merge(
         bool(orientable[own].all()),
         int(unsure.sum()),
     )
+
+
+def _seam(store: Store, part: Part, other: int) -> tuple[NDArray[Any], NDArray[Any]]:
+    patch, sign = f"seam_patch_{other}", f"seam_sign_{other}"
+    arrays = store.get(part, patch, sign)
+    return arrays[patch], arrays[sign]
 
 
 def _first_signs(

@@ -60,6 +60,17 @@ class Plan:
         high[high > self.high] = np.inf
         return low, high
 
+    def cells_inside(
+        self,
+        cells: NDArray[np.int64],
+        low: NDArray[np.float64],
+        high: NDArray[np.float64],
+    ) -> NDArray[np.bool_]:
+        """Which of some cells a box holds as a whole."""
+        inside = (self.cell_low[cells] >= low) & (self.cell_high[cells] <= high)
+        found: NDArray[np.bool_] = inside.all(axis=1)
+        return found
+
     def neighbors_of(self, tile: int, distance: float) -> list[int]:
         """Tiles whose boxes are within a distance, in each coordinate."""
         low, high = self.box(tile, distance)

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from importlib.metadata import version
@@ -18,12 +17,14 @@ from remanifold._base.samples import Points
 from remanifold._base.validation import check_int, check_outliers, check_positive
 from remanifold.distributed import _tiles as tasks
 from remanifold.distributed._engine import Engine, client_of
-from remanifold.distributed._merge import Whole, merge, value_at
+from remanifold.distributed._merge import Whole, merge, ranked_piece
 from remanifold.distributed._result import DistributedReconstruction
 from remanifold.distributed._sources import source_of
 from remanifold.distributed._store import Part, Store
 from remanifold.method.options import Options
 
+# Where a run says which files the samples are in.
+SOURCE = "source.json"
 # Samples that are read at once, without neighbors.
 CHUNK = 1_000_000
 # Halo, and what of it lies along a seam on either side, in medians of the local scale: the
@@ -32,11 +33,12 @@ HALO = {2: 20.0, 3: 8.0}
 SEAM = 0.5
 # Around what is only measured.
 MEASURED_HALO = 10.0
-ASKED_HALO = 9.0
 # Smaller data are one tile: some steps look at a share of all samples.
 LEAST_SAMPLES = 4096
 LEAST_TILE = 1000
 MOST_COORDINATES = 8
+# So many times as far from a flat as a sample has to be.
+NO_DOUBT = 1000
 # Rounds in which halos double.
 MOST_ROUNDS = 12
 
@@ -45,14 +47,13 @@ class BeyondTilesError(ValueError):
     """What was asked for can be made in one piece only."""
 
 
-class _Run:
+class Run:
     """One call, step by step."""
 
     def __init__(self, job: tasks.Job, engine: Engine, smooths: bool) -> None:
         self.job = job
         self.engine = engine
         self.smooths = smooths
-        self.seconds: dict[str, float] = {}
         self.num_tiles = 0
         self.again = 0  # tiles that were run more than once
 
@@ -64,11 +65,8 @@ class _Run:
         *more: Sequence[Any],
     ) -> list[Any]:
         """A function of each chunk, tile or part."""
-        start = time.monotonic()
         arguments = [(self.job, *values) for values in zip(first, *more, strict=True)]
-        results = self.engine.run(step, function, arguments)
-        self.seconds[step] = self.seconds.get(step, 0.0) + time.monotonic() - start
-        return results
+        return self.engine.run(step, function, arguments)
 
     def sort(self, tile_size: int) -> None:
         """Cut space into tiles, and write the samples by cells of these."""
@@ -77,42 +75,55 @@ class _Run:
         plan = tasks.plan_tiles(self.job, scans, tile_size)
         self.job = self.job.with_(plan=plan)
         self.num_tiles = int(plan.meta["tiles"])
-        spanning = np.concatenate(self.each("span", tasks.spanning_samples, chunks))
-        rows = tasks.spanning_rows(spanning, tasks.FLAT * tasks.scale_of(self.job))
-        self.job = self.job.with_(affine_dim=len(rows) - 1)
+        self.job = self.job.with_(affine_dim=self.affine_dim(scans, chunks))
         sorted_chunks = self.each("sort", tasks.sort_chunk, chunks)
-        self.job = self.job.with_(chunks=tuple(sorted_chunks))
+        self.job = self.job.with_(chunks=tasks.list_chunks(self.job, sorted_chunks))
+
+    def affine_dim(self, scans: list[dict[str, Any]], chunks: Sequence[int]) -> int:
+        """Dimension of the flat that all samples lie on."""
+        job, flat = self.job, tasks.FLAT * tasks.scale_of(self.job)
+        # Where some samples leave no doubt that they fill all dimensions, so do all.
+        some = np.concatenate([scan["some"][:: len(scans)] for scan in scans])
+        rows = tasks.spanning_rows(some, NO_DOUBT * flat)
+        if len(rows) <= job.ambient_dim:
+            spanning = self.each("span", tasks.spanning_samples, chunks)
+            rows = tasks.spanning_rows(np.concatenate(spanning), flat)
+        return len(rows) - 1
 
     def measure(self) -> None:
         """All that is decided by all samples at once."""
-        job, store = self.job, self.job.store
         tiles = range(self.num_tiles)
-        plan = tasks.plan_of(job)
         # A first guess: samples spread evenly over as much as the extents allow.
-        share = tasks.first_spacing(plan, job)
-        parts = self.each(
-            "measure", tasks.measure_tile, tiles, [MEASURED_HALO * share] * len(tiles)
-        )
+        halo = MEASURED_HALO * tasks.first_spacing(tasks.plan_of(self.job), self.job)
+        parts = self.each("measure", tasks.measure_tile, tiles, [halo] * len(tiles))
         distinct = sum(part.meta["distinct"] for part in parts)
-        median = value_at(store, parts, "scales", (distinct - 1) // 2)
-        tenth = value_at(store, parts, "ratios", distinct // 10)
-        self.scale = median * tasks.scale_of(job)
-        self.job = job = job.with_(
-            distinct=distinct, evenness=_core.evenness_of(tenth, job.dim)
+        median = self.value_at(parts, "scales", (distinct - 1) // 2)
+        tenth = self.value_at(parts, "ratios", distinct // 10)
+        self.scale = median * tasks.scale_of(self.job)
+        self.job = self.job.with_(
+            distinct=distinct, evenness=_core.evenness_of(tenth, self.job.dim)
         )
-        stride = _core.outlier_probe_stride(distinct)
-        ranks = np.arange(0, distinct, stride) if job.outliers > 0 else np.arange(0)
-        tests = _core.num_noise_probes(distinct) if self.smooths else 0
-        places = [_core.noise_probe(i, distinct) for i in range(tests)]
-        if tests or len(ranks):
-            asked = np.concatenate([ranks, np.array(places, dtype=np.int64)])
-            owners, numbers, points = self.at_ranks(parts, asked)
-            if len(ranks):
-                some = slice(0, len(ranks))
-                self.look_for_outliers(parts, median, owners[some], numbers[some])
-            if tests:
-                some = slice(len(ranks), None)
-                self.look_for_noise(owners[some], numbers[some], points[some])
+        if self.job.outliers > 0:
+            self.look_for_outliers(parts, median)
+        if self.smooths:
+            self.look_for_noise(parts)
+
+    def value_at(self, parts: list[Part], name: str, rank: int) -> float:
+        """The rank-th smallest, from 0, of positive values in all parts."""
+        prefix, known = 0, 0
+        for bits in (20, 40, 64):
+            counts = self.each(
+                f"count {name}",
+                tasks.count_values,
+                parts,
+                [name] * len(parts),
+                [prefix] * len(parts),
+                [known] * len(parts),
+                [bits] * len(parts),
+            )
+            prefix, rank = ranked_piece(counts, rank)
+            known = bits
+        return float(np.array([prefix], dtype=np.uint64).view(np.float64)[0])
 
     def at_ranks(
         self, parts: list[Part], ranks: NDArray[np.int64]
@@ -142,25 +153,21 @@ class _Run:
         rows = order[begins + ranks - before]
         return owner[rows], numbers[rows], points[rows]
 
-    def look_for_outliers(
-        self,
-        parts: list[Part],
-        median: float,
-        owners: NDArray[np.int64],
-        probes: NDArray[np.int64],
-    ) -> None:
+    def look_for_outliers(self, parts: list[Part], median: float) -> None:
         """Refuse what one piece would leave out, or might."""
         job, tiles = self.job, range(self.num_tiles)
         found = self.each("suspect", tasks.find_suspects, parts, [median] * len(tiles))
-        if sparse := sum(count for _, count in found):
+        if count := sum(len(sparse) for _, sparse in found):
             msg = (
-                f"{sparse:,} samples lie {_core.SPARSE_SCALE:g} times as far from others as "
+                f"{count:,} samples lie {_core.SPARSE_SCALE:g} times as far from others as "
                 "the median and more, and may be outliers, which are told in one piece "
                 "only: pass outliers=False to keep all, or call remanifold.reconstruct"
             )
             raise BeyondTilesError(msg)
         if not sum(len(apart) for apart, _ in found):
             return
+        stride = _core.outlier_probe_stride(job.distinct)
+        owners, probes, _ = self.at_ranks(parts, np.arange(0, job.distinct, stride))
         asked = [t for t in tiles if len(found[t][0]) or (owners == t).any()]
         judged = self.each(
             "judge",
@@ -169,7 +176,7 @@ class _Run:
             [found[tile][0] for tile in asked],
             [probes[owners == tile] for tile in asked],
             [median] * len(asked),
-            [ASKED_HALO * self.scale] * len(asked),
+            [tasks.ASKED_HALO * self.scale] * len(asked),
         )
         away, relative = (np.concatenate(some) for some in zip(*judged, strict=True))
         least = _core.least_outlier_distance(job.outliers, relative.tolist())
@@ -180,14 +187,12 @@ class _Run:
             )
             raise BeyondTilesError(msg)
 
-    def look_for_noise(
-        self,
-        owners: NDArray[np.int64],
-        numbers: NDArray[np.int64],
-        points: NDArray[np.float64],
-    ) -> None:
+    def look_for_noise(self, parts: list[Part]) -> None:
         """Refuse what one piece would smooth, or might."""
         job = self.job
+        tests = _core.num_noise_probes(job.distinct)
+        ranks = [_core.noise_probe(i, job.distinct) for i in range(tests)]
+        owners, numbers, points = self.at_ranks(parts, np.array(ranks, dtype=np.int64))
         asked = {
             int(tile): np.flatnonzero(owners == tile) for tile in np.unique(owners)
         }
@@ -196,14 +201,14 @@ class _Run:
             tasks.probe_tile,
             list(asked),
             [numbers[rows] for rows in asked.values()],
-            [ASKED_HALO * self.scale] * len(asked),
+            [tasks.ASKED_HALO * self.scale] * len(asked),
         )
-        tests = np.empty((len(numbers), found[0].shape[1]))
+        said = np.empty((len(numbers), found[0].shape[1]))
         for rows, values in zip(asked.values(), found, strict=True):
-            tests[rows] = values
+            said[rows] = values
         samples = Points(np.ascontiguousarray(points[:1]))
         if _core.shows_noise(
-            samples, tasks.whole_of(job), job.dim, tests.ravel().tolist()
+            samples, tasks.whole_of(job), job.dim, said.ravel().tolist()
         ):
             msg = (
                 "the samples are noisy, or fill more dimensions than dim, and smoothing is "
@@ -247,16 +252,18 @@ class _Run:
             for meta in metas
             for k, found in enumerate(meta["opened"])
         )
+        if job.orientable and not all(meta["agreed_orientable"] for meta in metas):
+            self.job = job.with_(orientable=False)
+            return list(range(self.num_tiles))
         # One round more or less matters where there is something left to mend.
-        rounds = job.rounds
-        for meta in metas:
+        left = []
+        for tile, meta in enumerate(metas):
             first, last = sorted((len(meta["unmended"]) - 1, opened))
             if any(meta["unmended"][first:last]):
-                rounds = opened
-        orientable = job.orientable and all(meta["agreed_orientable"] for meta in metas)
-        self.job = job.with_(orientable=orientable, rounds=rounds)
-        if self.job != job:
-            return list(range(self.num_tiles))
+                left.append(tile)
+        if left:
+            self.job = job.with_(rounds=opened)
+            return left
         return self.left_by_open_region(parts, halos)
 
     def turns_out_twisted(self, parts: list[Part]) -> bool:
@@ -280,12 +287,14 @@ class _Run:
     ) -> list[int]:
         """Tiles that did not know all samples around what stays open."""
         job = self.job
+        if self.num_axes > 3:
+            return []
         some = [job.store.get(part, "open_numbers", "open_points") for part in parts]
         numbers = np.concatenate([one["open_numbers"] for one in some])
         points = np.concatenate([one["open_points"] for one in some])
-        order = np.argsort(numbers)
-        if not len(numbers) or self.num_axes > 3:
+        if not len(numbers):
             return []
+        order = np.argsort(numbers)
         found = job.store.put(
             "open", {"numbers": numbers[order], "points": points[order]}, {}
         )
@@ -331,7 +340,7 @@ class _Run:
             "dim": job.dim,
             "num_samples": job.num_samples,
             "num_distinct": job.distinct,
-            "source": asdict(job.source),
+            "source": job.store.read_json(job.source),
             "num_simplices": sum(part.meta["rows"] for part in written),
             "simplices": [asdict(part) for part in written],
             "topology": {
@@ -353,8 +362,10 @@ class _Run:
             "tiles": self.num_tiles,
             "tiles_again": self.again,
             "samples_of_tiles": [meta["samples"] for meta in metas],
-            "seconds": {name: round(value, 3) for name, value in self.seconds.items()},
-            "known": self.engine.known,
+            "stages": {
+                name: asdict(stage) | {"seconds": round(stage.seconds, 3)}
+                for name, stage in self.engine.stages.items()
+            },
         }
 
 
@@ -384,6 +395,7 @@ def reconstruct(
     num_neighbors: int | None = None,
     estimator: Literal["jet", "pca"] | None = None,
     halo: float | None = None,
+    memory_limit: str | int | None = None,
     resume: bool = False,
     progress: Callable[[str, int, int], None] | None = None,
 ) -> DistributedReconstruction:
@@ -396,8 +408,9 @@ def reconstruct(
     Parameters
     ----------
     source : str, Path or array_like, shape (N, D)
-        A .npy file that all workers see, which is never read as a whole, or an array,
-        which is written into `work` first. D is 8 at most.
+        A .npy, .las, .laz, .parquet or .zarr that all workers see, or a folder of such
+        files, which are taken in the order of their names; none is read as a whole. Or an
+        array, which is written into `work` first. D is 8 at most.
     dim : int
         K, 2 or 3.
     client : distributed.Client, optional
@@ -423,6 +436,8 @@ def reconstruct(
         Of the tangent spaces.
     halo : float, optional
         Width of what is read around a tile at first, in medians of the local scale.
+    memory_limit : str or int, optional
+        Of each process of the cluster on this machine, as Dask has it: "3GiB", or bytes.
     resume : bool
         Go on with a run of the same samples and parameters that was ended.
     progress : callable, optional
@@ -472,13 +487,15 @@ def reconstruct(
         "parameters": repr((dim, options, distance, smooth, tile_size, wide)),
     }
     claim(store, said, resume)
+    # Of thousands of files, not in what every task is told.
+    store.write_json(SOURCE, found.said())
     chunk = min(CHUNK, max(tile_size, LEAST_SAMPLES))
     job = tasks.Job(
-        store.root, found, num_samples, ambient_dim, dim, options, chunk, distance
+        store.root, SOURCE, num_samples, ambient_dim, dim, options, chunk, distance
     )
-    with client_of(client, num_workers) as own:
+    with client_of(client, num_workers, memory_limit) as own:
         engine = Engine(own, store, progress)
-        run = _Run(job, engine, smooth is not False)
+        run = Run(job, engine, smooth is not False)
         run.sort(tile_size)
         run.measure()
         wide *= run.scale

@@ -27,6 +27,17 @@ class LostPartError(RuntimeError):
     """A part of a run is missing, or is not what was written."""
 
 
+def _damaged(path: Path, why: object) -> LostPartError:
+    return LostPartError(
+        f"{path} is damaged ({why}): delete it and run with resume=True"
+    )
+
+
+def _digest_of(table: NDArray[Any]) -> str:
+    flat = np.ascontiguousarray(table).reshape(-1).view(np.uint8)
+    return hashlib.blake2b(flat.data if flat.size else b"", digest_size=12).hexdigest()
+
+
 @dataclass(frozen=True)
 class Part:
     """A file of arrays, with what is known of it without reading it."""
@@ -67,8 +78,7 @@ class Store:
             with np.load(path) as file:
                 return {name: file[name] for name in names or file.files}
         except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
-            msg = f"{path} is damaged ({error}): delete it and run with resume=True"
-            raise LostPartError(msg) from None
+            raise _damaged(path, error) from None
 
     def _checked(self, part: Part) -> Path:
         path = Path(self.root) / part.path
@@ -87,8 +97,7 @@ class Store:
 
     def put_table(self, step: str, table: NDArray[Any], meta: dict[str, Any]) -> Part:
         """Write one array that will be read in pieces."""
-        digest = hashlib.blake2b(table.view(np.uint8).data, digest_size=12)
-        path = self._path_of(f"{step}-{digest.hexdigest()}.npy")
+        path = self._path_of(f"{step}-{_digest_of(table)}.npy")
         with complete_file(path) as file:
             np.save(file, table)
         return self._written(path, meta)
@@ -104,8 +113,18 @@ class Store:
     def table(self, part: Part) -> NDArray[Any]:
         """Map what `put_table` wrote."""
         path = self._checked(part)
-        table: NDArray[Any] = np.load(path, mmap_mode="r")
+        try:
+            table: NDArray[Any] = np.load(path, mmap_mode="r")
+        except (OSError, ValueError, EOFError) as error:
+            raise _damaged(path, error) from None
         return table
+
+    def check_table(self, part: Part) -> None:
+        """Read all that `put_table` wrote, and compare it with its digest."""
+        table = self.table(part)
+        path = self._checked(part)
+        if not path.stem.endswith(_digest_of(table)):
+            raise _damaged(path, "its bytes are not those that were written")
 
     def has(self, part: Part) -> bool:
         """Whether the file is there, as long as it was written."""

@@ -29,8 +29,9 @@ from remanifold.method.programs import solve_program
 
 Numbers = NDArray[np.int64]
 
-# Samples of a chunk that the plan is made from, at most.
-PLAN_SAMPLES = 20_000
+# Samples that the plan is made from, and of one chunk, at most.
+PLAN_SAMPLES = 2_000_000
+PLAN_SAMPLES_OF_CHUNK = 20_000
 # Bits of a place on the curve that samples are counted by.
 COUNTED_BITS = 21
 # Of a test of noise, which value is the radius of its neighborhood.
@@ -38,6 +39,10 @@ NOISE_RADIUS = 5
 # How far from a flat a sample may be, as the core has it.
 FLAT = 1e-6
 NOISE_VALUES = 11
+# Around what is asked, in medians of the local scale.
+ASKED_HALO = 9.0
+# Samples of which each is compared with all that are about as near as asked.
+FEW_ASKED = 300
 # A circumradius that is known up to rounding.
 SLACK = 1 + 1e-6
 
@@ -47,7 +52,7 @@ class Job:
     """All that a task needs to know, but for its own numbers."""
 
     root: str
-    source: Source
+    source: str  # file of the run that says where the samples are
     num_samples: int
     ambient_dim: int
     dim: int
@@ -56,7 +61,7 @@ class Job:
     outliers: float  # distance from which on a sample is one; 0 where none is
     threads: int = 1
     plan: Part | None = None
-    chunks: tuple[Part, ...] = ()
+    chunks: Part | None = None  # which files have the samples by cells
     # Of all samples, once they are known.
     distinct: int = 0
     evenness: float = 0.0
@@ -76,6 +81,40 @@ class Job:
         return replace(self, **changes)
 
 
+@functools.lru_cache(maxsize=2)
+def _source(root: str, name: str) -> Source:
+    return Source.of(Store(root).read_json(name))
+
+
+@functools.lru_cache(maxsize=2)
+def _chunks(root: str, part: str, size: int) -> list[tuple[Part, Part]]:
+    arrays = Store(root).get(Part(part, size))
+    columns = [
+        arrays[name].tolist() for name in ("paths", "sizes", "offsets", "lengths")
+    ]
+    return [(Part(a, b), Part(c, d)) for a, b, c, d in zip(*columns, strict=True)]
+
+
+def chunks_of(job: Job) -> list[tuple[Part, Part]]:
+    """Samples by cells, and where cells begin; read once in each worker."""
+    assert job.chunks is not None
+    return _chunks(job.root, job.chunks.path, job.chunks.size)
+
+
+def list_chunks(job: Job, parts: list[Part]) -> Part:
+    """Write which files there are: every task has to know, and none should be told."""
+    return job.store.put(
+        "chunks",
+        {
+            "paths": np.array([part.path for part in parts]),
+            "sizes": np.array([part.size for part in parts]),
+            "offsets": np.array([part.meta["offsets"] for part in parts]),
+            "lengths": np.array([part.meta["length"] for part in parts]),
+        },
+        {},
+    )
+
+
 @functools.lru_cache(maxsize=4)
 def _plan(root: str, part: str, size: int) -> Plan:
     return Plan(**Store(root).get(Part(part, size)))
@@ -93,7 +132,7 @@ def whole_of(job: Job) -> _core.GlobalStatistics:
     return _core.GlobalStatistics(
         low=plan.low.tolist(),
         high=plan.high.tolist(),
-        size=job.distinct,
+        size=job.distinct or job.num_samples,
         evenness=job.evenness,
         affine_dim=job.affine_dim,
         orientable=job.orientable,
@@ -107,7 +146,8 @@ def whole_of(job: Job) -> _core.GlobalStatistics:
 def read_chunk(job: Job, chunk: int) -> tuple[int, NDArray[np.float64]]:
     """Number of the first sample of a chunk, and all of them."""
     begin = chunk * job.chunk
-    return begin, job.source.read(begin, min(job.num_samples, begin + job.chunk))
+    source = _source(job.root, job.source)
+    return begin, source.read(begin, min(job.num_samples, begin + job.chunk))
 
 
 def scan_chunk(job: Job, chunk: int) -> dict[str, Any]:
@@ -118,7 +158,9 @@ def scan_chunk(job: Job, chunk: int) -> dict[str, Any]:
         row = begin + int(np.flatnonzero(~finite)[0])
         msg = f"source[{row}] is not finite"
         raise ValueError(msg)
-    stride = -(-len(points) // PLAN_SAMPLES)
+    num_chunks = -(-job.num_samples // job.chunk)
+    most = min(PLAN_SAMPLES_OF_CHUNK, max(1, PLAN_SAMPLES // num_chunks))
+    stride = -(-len(points) // most)
     return {
         "low": points.min(axis=0),
         "high": points.max(axis=0),
@@ -168,7 +210,10 @@ def sort_chunk(job: Job, chunk: int) -> Part:
     table["number"] = begin + order
     table["point"] = points[order]
     offsets = np.searchsorted(cells[order], np.arange(len(plan.cell_low) + 1))
-    return job.store.put_table(f"chunk-{chunk}", table, {"offsets": offsets.tolist()})
+    begins = job.store.put_table(f"offsets-{chunk}", offsets, {})
+    return job.store.put_table(
+        f"chunk-{chunk}", table, {"offsets": begins.path, "length": begins.size}
+    )
 
 
 @dataclass
@@ -199,17 +244,19 @@ def load_box(job: Job, tile: int, halo: float) -> Box:
     """Read a tile and so much around it."""
     plan = plan_of(job)
     low, high = plan.box(tile, halo)
-    runs = _runs(plan.cells_within(low, high))
+    cells = plan.cells_within(low, high)
+    whole = plan.cells_inside(cells, low, high)
     numbers, points = [], []
-    for part in job.chunks:
-        offsets = part.meta["offsets"]
-        table = job.store.table(part)
-        for first, last in runs:
-            piece = table[offsets[first] : offsets[last]]
-            at = piece["point"]
-            inside = within(at, low, high)
-            numbers.append(piece["number"][inside])
-            points.append(at[inside])
+    runs = (_runs(cells[whole]), False), (_runs(cells[~whole]), True)
+    for part, begins in chunks_of(job):
+        table, offsets = job.store.table(part), job.store.table(begins)
+        for some, has_others in runs:
+            pieces = [table[offsets[a] : offsets[b]] for a, b in some]
+            piece = np.concatenate([table[:0], *pieces])
+            if has_others:
+                piece = piece[within(piece["point"], low, high)]
+            numbers.append(piece["number"])
+            points.append(piece["point"])
     all_numbers = np.concatenate(numbers)
     order = np.argsort(all_numbers)
     all_points = np.ascontiguousarray(np.concatenate(points)[order])
@@ -221,6 +268,8 @@ def load_box(job: Job, tile: int, halo: float) -> Box:
 
 def _runs(cells: Numbers) -> list[tuple[int, int]]:
     """Ascending numbers as ranges."""
+    if not len(cells):
+        return []
     breaks = np.flatnonzero(np.diff(cells) > 1)
     first = np.concatenate([cells[:1], cells[breaks + 1]])
     last = np.concatenate([cells[breaks], cells[-1:]])
@@ -293,6 +342,16 @@ def measure_tile(job: Job, tile: int, halo: float) -> Part:
     )
 
 
+def count_values(
+    job: Job, part: Part, name: str, prefix: int, known: int, bits: int
+) -> tuple[NDArray[np.uint64], NDArray[np.int64]]:
+    """Of positive values with some leading bits, how many have which more of these."""
+    values = job.store.get(part, name)[name].view(np.uint64)
+    if known:
+        values = values[values >> np.uint64(64 - known) == np.uint64(prefix)]
+    return np.unique(values >> np.uint64(64 - bits), return_counts=True)
+
+
 def first_spacing(plan: Plan, job: Job) -> float:
     """Of samples that fill as many of the longest axes as the manifold has."""
     extents = np.sort(plan.high - plan.low)[::-1][: job.dim]
@@ -307,16 +366,16 @@ def scale_of(job: Job) -> float:
     return 1.0 if largest == 0 else float(np.ldexp(1.0, np.frexp(largest)[1]))
 
 
-def find_suspects(job: Job, part: Part, median: float) -> tuple[Numbers, int]:
-    """Samples of a tile that lie apart, and how many lie where samples are sparse."""
+def find_suspects(job: Job, part: Part, median: float) -> tuple[Numbers, Numbers]:
+    """Samples of a tile that lie apart, and those that lie where samples are sparse."""
     arrays = job.store.get(part, "apart", "scales", "around", "numbers")
     scales, around = arrays["scales"], arrays["around"]
-    # Where nothing was compared with others, only those in sparse places may be.
-    units = np.where(np.isnan(around), median, np.minimum(around, 2 * median))
     looked_at = arrays["apart"] > job.outliers * np.minimum(scales / 2, median)
+    # What was not compared with others may lie apart where it is sparse.
+    units = np.where(np.isnan(around), 0.0, np.minimum(around, 2 * median))
     apart = looked_at & (arrays["apart"] > job.outliers * units)
-    sparse = int(np.count_nonzero(scales > _core.SPARSE_SCALE * median))
-    return arrays["numbers"][apart], sparse
+    sparse = scales > _core.SPARSE_SCALE * median
+    return arrays["numbers"][apart], arrays["numbers"][sparse]
 
 
 def pick_probes(
@@ -338,12 +397,12 @@ def judge_tile(
     job: Job, tile: int, apart: Numbers, probes: Numbers, median: float, halo: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """How far samples that lie apart are away, and what is usual at others."""
+    asked = np.concatenate([apart, probes])
     while True:
-        samples, places, is_all = around(
-            job, tile, np.concatenate([apart, probes]), halo
-        )
+        near = around(job, tile, asked, halo)
+        places = near.place(asked)
         away, relative, reach = _core.outliers_at(
-            samples,
+            near.samples,
             whole_of(job),
             job.dim,
             job.outliers,
@@ -352,7 +411,7 @@ def judge_tile(
             places[len(apart) :],
             job.threads,
         )
-        if is_all or reach * scale_of(job) * SLACK < halo:
+        if near.is_all or reach * scale_of(job) * SLACK < halo:
             return away, relative
         halo *= 2
 
@@ -362,22 +421,35 @@ def probe_tile(
 ) -> NDArray[np.float64]:
     """What some samples of a tile say about noise."""
     while True:
-        samples, places, is_all = around(job, tile, probes, halo)
-        found = _core.noise_at(samples, whole_of(job), job.dim, places, job.threads)
+        near = around(job, tile, probes, halo)
+        places = near.place(probes)
+        found = _core.noise_at(
+            near.samples, whole_of(job), job.dim, places, job.threads
+        )
         radii = found[:, NOISE_RADIUS - NOISE_VALUES] * scale_of(job)
         # Where no quadric could be fitted nothing says how far the neighbors are.
-        if is_all or (radii * SLACK < halo).all():
+        if near.is_all or (radii * SLACK < halo).all():
             return found
         halo *= 2
 
 
-def around(
-    job: Job, tile: int, asked: Numbers, radius: float
-) -> tuple[Points, list[int], bool]:
-    """All that is so near to some samples of a tile, and more; their numbers in the core.
+@dataclass
+class Near:
+    """All samples that are near to some, as the core numbers them."""
 
-    Also whether that is all there is.
-    """
+    samples: Points
+    numbers: Numbers  # ascending
+    places: Numbers  # in the core; -1 for copies
+    is_all: bool  # whether there are no others
+
+    def place(self, asked: Numbers) -> list[int]:
+        """The core's numbers of some."""
+        places = self.places[np.searchsorted(self.numbers, asked)]
+        return [place for place in places.tolist() if place >= 0]
+
+
+def around(job: Job, tile: int, asked: Numbers, radius: float) -> Near:
+    """All that is so near to some samples of a tile, and maybe more."""
     box = load_box(job, tile, radius)
     rows = np.searchsorted(box.numbers, asked)
     axes = np.argsort(-np.ptp(box.points, axis=0), kind="stable")[:3]
@@ -388,12 +460,25 @@ def around(
     near = cells[rows][:, None] + steps.reshape(-1, len(axes))
     wanted = np.unique(np.ravel_multi_index(tuple(np.moveaxis(near, -1, 0)), sizes))
     kept = np.isin(np.ravel_multi_index(tuple(cells.T), sizes), wanted)
+    if len(asked) <= FEW_ASKED:
+        some = np.flatnonzero(kept)
+        kept[some] = near_any(box.points[some], box.points[rows], radius)
     samples = Points(np.ascontiguousarray(box.points[kept]))
     order, _ = _core.part_order(samples, whole_of(job), job.threads)
-    place = np.empty(len(samples), dtype=np.int64)
-    place[order] = np.arange(len(order))
-    places = place[np.cumsum(kept)[rows] - 1].tolist()
-    return samples, places, box.is_all and bool(kept.all())
+    places = np.full(len(samples), -1, dtype=np.int64)
+    places[order] = np.arange(len(order))
+    return Near(samples, box.numbers[kept], places, box.is_all and bool(kept.all()))
+
+
+def near_any(
+    points: NDArray[np.float64], centers: NDArray[np.float64], radius: float
+) -> NDArray[np.bool_]:
+    """Which points are so near to one of some others."""
+    near = np.zeros(len(points), dtype=bool)
+    for center in centers:
+        away = points - center
+        near |= np.einsum("ij,ij->i", away, away) <= radius * radius
+    return near
 
 
 # ------------------------------------------------------------------ the reconstruction
@@ -458,16 +543,20 @@ def answers_of(
     }
     arrays |= orientations_of(job, box, rows[own], patch[own], sign[own], part["order"])
     # Tiles see the same simplices along their seam, or one of them is not settled.
-    low, high = plan.box(tile, job.seam)
-    near = within(box.points, low, high)
+    near = within(box.points, *plan.box(tile, job.seam))
+    inner = within(box.points, *plan.box(tile, -1.01 * job.seam))
+    # What is farther inside is in the box of no other.
+    at_seams = np.flatnonzero((near & ~inner)[rows].all(axis=1))
     seams: dict[str, Any] = {}
+    joins = []  # tiles with simplices in common
     for other in plan.neighbors_of(tile, 2 * job.seam):
         low, high = plan.box(other, job.seam)
         both = near & within(box.points, low, high)
-        shared = np.flatnonzero(both[rows].all(axis=1))
+        shared = at_seams[both[rows[at_seams]].all(axis=1)]
         digest = hashlib.blake2b(np.ascontiguousarray(box.numbers[rows[shared]]).data)
         seams[str(other)] = digest.hexdigest()
         if len(shared):
+            joins.append(other)
             arrays[f"seam_patch_{other}"] = patch[shared]
             arrays[f"seam_sign_{other}"] = sign[shared]
     meta = {
@@ -477,6 +566,7 @@ def answers_of(
         "settled": box.is_all or is_settled(job, box, trusted, result),
         "narrow": not near[rows[own]].all(),
         "seams": seams,
+        "joins": joins,
         "agreed_orientable": part["agreed_orientable"],
         "sharp_folds": int(trusted[part["sharp_folds"]].sum()),
         "opened": [bool(box.own[some].any()) for some in part["opened"]],
@@ -663,7 +753,7 @@ def write_tile(job: Job, tile: int, part: Part, turns: NDArray[np.int8]) -> Part
     arrays = job.store.get(part, "simplices", "patch", "sign")
     simplices = arrays["simplices"]
     swapped = turns[arrays["patch"]] * arrays["sign"] < 0
+    order = np.lexsort(simplices.T[::-1])  # columns ascend
     simplices[swapped, -2:] = simplices[swapped][:, [-1, -2]]
-    return job.store.put(
-        f"simplices-{tile}", {"simplices": simplices}, {"rows": len(simplices)}
-    )
+    simplices = np.ascontiguousarray(simplices[order])
+    return job.store.put_table(f"simplices-{tile}", simplices, {"rows": len(simplices)})

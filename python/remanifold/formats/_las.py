@@ -23,7 +23,7 @@ def read_las(source: Source, with_fields: bool) -> FileMesh:
         import lazrs  # noqa: F401  laspy finds it by itself
     except ImportError as error:
         raise ImportError(_HINT) from error
-    _check_header(source)
+    check_las(source)
     chunks: list[dict[str, Any]] = []
     try:
         # Chunk by chunk, for a damaged header may promise more than there is memory;
@@ -60,7 +60,7 @@ def read_las(source: Source, with_fields: bool) -> FileMesh:
     return mesh
 
 
-def _check_header(source: Source) -> None:
+def check_las(source: Source) -> None:
     """Refuse counts that the file has no room for, which laspy would believe."""
     with source.open() as file:
         head = file.read(375)

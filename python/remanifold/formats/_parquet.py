@@ -20,14 +20,18 @@ def read_parquet(source: Source, with_fields: bool) -> FileMesh:  # noqa: ARG001
     """Read all columns of numbers and words; lists of one length are several columns."""
     parquet = load("pyarrow.parquet", "parquet")
     try:
-        content = parquet.read_table(io.BytesIO(source.data))
-        named = [(n, content.column(n)) for n in content.column_names]
-        arrays = [(name, _array(column)) for name, column in named]
+        table = table_of_arrow(source, parquet.read_table(io.BytesIO(source.data)))
     except (KeyboardInterrupt, SystemExit, MemoryError):
         raise
     except BaseException as error:  # noqa: BLE001  whatever stumbles over damage first
         reason = " ".join(str(error).split())[:200] or type(error).__name__
         source.fail(f"is damaged, truncated or no Parquet file ({reason})", error)
+    return mesh_of_table(source, table)
+
+
+def table_of_arrow(source: Source, content: Any) -> Table:
+    """Columns of a table of Arrow."""
+    arrays = [(name, _array(content.column(name))) for name in content.column_names]
     table = Table([], [])
     assert table.names is not None
     for name, array in arrays:
@@ -38,7 +42,7 @@ def read_parquet(source: Source, with_fields: bool) -> FileMesh:  # noqa: ARG001
         width = flat.shape[1]
         table.names += [name] if width == 1 else [f"{name}_{i}" for i in range(width)]
         table.columns += [*flat.T]
-    return mesh_of_table(source, table)
+    return table
 
 
 def _array(column: Any) -> NDArray[Any] | None:

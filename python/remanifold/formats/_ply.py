@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import IO, Any, Literal
 
@@ -446,43 +447,68 @@ def _of_words(words: list[str], kind: str, name: str) -> NDArray[Any]:
 
 def write_ply(file: IO[bytes], mesh: FileMesh) -> None:
     """Write binary PLY: vertices with their fields, then edges or triangles."""
-    columns = _columns(mesh)
+    counts = {size: len(cells) for size, cells in mesh.cells.items()}
+    file.write(ply_header(mesh, len(mesh.points), counts))
+    for part in ply_body(mesh):
+        file.write(part)
+
+
+def ply_header(mesh: FileMesh, num_points: int, num_cells: dict[int, int]) -> bytes:
+    """What a file begins with; of a mesh that is written in pieces by its first."""
     header = ["ply", "format binary_little_endian 1.0"]
     header += [f"comment {_WIDE}{kind} {name}" for name, kind in _wide_names(mesh)]
     header += [f"comment {line}" for line in mesh.comment]
-    header += [f"element vertex {len(mesh.points)}"]
-    header += [f"property {_NAMES[a.dtype.str[1:]]} {name}" for name, a in columns]
-    kinds = [(name, a.dtype.newbyteorder("<")) for name, a in columns]
-    body = [(np.dtype(kinds), dict(columns))]
+    header += [f"element vertex {num_points}"]
+    header += [
+        f"property {_NAMES[a.dtype.str[1:]]} {name}" for name, a in _columns(mesh)
+    ]
+    for size, count in num_cells.items():
+        if size == 2:
+            header += [f"element edge {count}"]
+            header += ["property int vertex1", "property int vertex2"]
+        else:
+            header += [f"element face {count}"]
+            header += ["property list uchar int vertex_indices"]
+    return "\n".join([*header, "end_header", ""]).encode("ascii", "replace")
+
+
+def ply_body(mesh: FileMesh, like: FileMesh | None = None) -> Iterator[memoryview]:
+    """Records of vertices, then of simplices; `like` another mesh in their types.
+
+    Each is gone when the next is asked for.
+    """
+    columns = dict(_columns(mesh))
+    types = {name: a.dtype for name, a in _columns(mesh if like is None else like)}
+    for name, values in columns.items():
+        if values.dtype != types[name] and (values.astype(types[name]) != values).any():
+            msg = f"{name} has values that {types[name]}, the type of the first ones, has not"
+            raise ValueError(msg)
+    kinds = [(name, types[name].newbyteorder("<")) for name in columns]
+    yield from _records(np.dtype(kinds), columns)
     for size, cells in mesh.cells.items():
         if size == 2:
-            header += [f"element edge {len(cells)}"]
-            header += ["property int vertex1", "property int vertex2"]
-            body.append((np.dtype([("corners", "<i4", size)]), {"corners": cells}))
+            yield from _records(
+                np.dtype([("corners", "<i4", size)]), {"corners": cells}
+            )
         else:
-            header += [f"element face {len(cells)}"]
-            header += ["property list uchar int vertex_indices"]
             face = np.dtype([("size", "u1"), ("corners", "<i4", size)])
             sizes = np.broadcast_to(np.uint8(size), len(cells))
-            body.append((face, {"size": sizes, "corners": cells}))
-    file.write("\n".join([*header, "end_header", ""]).encode("ascii", "replace"))
-    for kind, parts in body:
-        _write_records(file, kind, parts)
+            yield from _records(face, {"size": sizes, "corners": cells})
 
 
 _ROWS = 1 << 14  # that are written at a time: they stay in the cache
 
 
-def _write_records(
-    file: IO[bytes], kind: np.dtype[Any], columns: dict[str, NDArray[Any]]
-) -> None:
+def _records(
+    kind: np.dtype[Any], columns: dict[str, NDArray[Any]]
+) -> Iterator[memoryview]:
     count = min(len(values) for values in columns.values())
     records = np.empty(min(count, _ROWS), kind)
     for begin in range(0, count, _ROWS):
         part = records[: min(_ROWS, count - begin)]
         for name, values in columns.items():
             part[name] = values[begin : begin + len(part)]
-        file.write(part.view(np.uint8).data)
+        yield part.view(np.uint8).data
 
 
 _NAMES = {

@@ -1,16 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """In tiles: the bytes of one piece, whatever the tiles, and whatever happens to workers."""
 
+import errno
 import os
 import signal
+import subprocess
+import sys
 import warnings
+from concurrent.futures import CancelledError
 
 import numpy as np
 import pytest
 
 import remanifold as rm
 import remanifold.distributed as rd
-from remanifold.distributed import _run, _tiles
+from remanifold.distributed import _engine, _run, _store, _tiles
 
 
 def torus(count, seed=1):
@@ -175,7 +179,7 @@ def test_resumed(samples, expected, tmp_path, step):
     with pytest.raises(FileExistsError, match="work holds a run already"):
         in_tiles(samples, 2, tmp_path)
     rec = in_tiles(samples, 2, tmp_path, resume=True)
-    assert rec.manifest["known"] > 0
+    assert sum(s["known"] for s in rec.manifest["stages"].values()) > 0
     assert_same(rec, expected)
 
 
@@ -194,6 +198,30 @@ def test_lost_and_truncated_parts(samples, expected, tmp_path):
         _ = rec.simplices
     assert_same(in_tiles(samples, 2, tmp_path, resume=True), expected)
     assert not list(tmp_path.rglob("*.writing"))
+
+
+@pytest.mark.parametrize("step", ["sort", "measure", "tiles0", "write"])
+def test_full_disk(samples, expected, tmp_path, monkeypatch, step):
+    written = {"sort": "put_table", "write": "put_table"}.get(step, "put")
+    name = {"sort": "chunk", "measure": "spacings", "tiles0": "tile"}.get(
+        step, "simplices"
+    )
+    original = getattr(_store.Store, written)
+    left = [1]
+
+    def full(self, what, *arguments):
+        if what.startswith(f"{name}-"):
+            if not left[0]:
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+            left[0] -= 1
+        return original(self, what, *arguments)
+
+    monkeypatch.setattr(_store.Store, written, full)
+    with pytest.raises(OSError, match="No space left"):
+        in_tiles(samples, 2, tmp_path)
+    assert not list(tmp_path.rglob("*.writing"))
+    monkeypatch.undo()
+    assert_same(in_tiles(samples, 2, tmp_path, resume=True), expected)
 
 
 def test_other_samples_are_no_resumption(samples, tmp_path):
@@ -225,7 +253,8 @@ def test_outliers_are_refused(samples, tmp_path):
         (np.zeros(9), 2, {}, ValueError, "source has 1 axes"),
         (np.full((9_999, 3), np.nan), 2, {}, ValueError, r"source\[0\] is not finite"),
         ("nothing.npy", 2, {}, FileNotFoundError, "nothing.npy is no file"),
-        ("nothing.las", 2, {}, ValueError, "expected a .npy file"),
+        ("nothing.las", 2, {}, FileNotFoundError, "nothing.las is no file"),
+        ("nothing.txt", 2, {}, ValueError, "expected .npy, .las"),
         (np.zeros((9_999, 3)), 4, {}, ValueError, "dim is 4"),
         (np.zeros((9_999, 3)), 1, {}, rd.BeyondTilesError, "dim is 1"),
     ],
@@ -238,12 +267,17 @@ def test_refusals(tmp_path, points, dim, options, error, words):
 def test_ranks_are_those_of_the_core(tmp_path):
     points = torus(6_000)
     rec = in_tiles(points, 2, tmp_path)
-    store = rd._store.Store(str(tmp_path))
+    store = _store.Store(str(tmp_path))
     assert rec.manifest["num_distinct"] == len(points)
     values = np.random.default_rng(1).random(1_000)
     parts = [store.put(f"v{i}", {"x": values[i::3]}, {}) for i in range(3)]
     for rank in (0, 17, 999):
-        assert _run.value_at(store, parts, "x", rank) == np.sort(values)[rank]
+        run = _run.Run(
+            _tiles.Job(str(tmp_path), "", 0, 3, 2, None, 1, 0.0),
+            _engine.Engine(None, store),
+            False,
+        )
+        assert run.value_at(parts, "x", rank) == np.sort(values)[rank]
 
 
 def test_spanning_rows_are_those_of_the_flat():
@@ -298,4 +332,38 @@ def test_worker_killed(samples, expected, tmp_path, step):
 
         rec = in_tiles(samples, 2, tmp_path, client=own, progress=kill)
     assert killed
+    assert_same(rec, expected)
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore")
+def test_scheduler_killed(samples, expected, tmp_path):
+    distributed = pytest.importorskip("distributed")
+    dask = pytest.importorskip("dask")
+    said = tmp_path / "scheduler.json"
+    common = ["--host", "127.0.0.1", "--no-dashboard", "--scheduler-file", str(said)]
+
+    def start(module, *options):
+        command = [sys.executable, "-m", f"distributed.cli.{module}", *common, *options]
+        return subprocess.Popen(command, stderr=subprocess.DEVNULL)
+
+    scheduler = start("dask_scheduler", "--port", "0")
+    worker = start("dask_worker", "--nthreads", "1", "--death-timeout", "5")
+    try:
+        with dask.config.set({"distributed.comm.timeouts.connect": "2s"}):
+            client = distributed.Client(scheduler_file=str(said), timeout=60)
+
+            def kill(name, done, _total):
+                if name == "tiles0" and done == 1:
+                    scheduler.kill()
+
+            with pytest.raises((OSError, RuntimeError, CancelledError)):
+                in_tiles(samples, 2, tmp_path / "work", client=client, progress=kill)
+            client.close(timeout=1)
+    finally:
+        for process in (scheduler, worker):
+            process.kill()
+            process.wait()
+    rec = in_tiles(samples, 2, tmp_path / "work", resume=True)
+    assert rec.manifest["stages"]["tiles0"]["known"] >= 1
     assert_same(rec, expected)
