@@ -30,6 +30,7 @@ from remanifold.cli._common import (
     split_formats,
     timed,
 )
+from remanifold.cli._distributed import Tiling, reconstruct_in_tiles
 from remanifold.cli._examples import examples
 from remanifold.cli._options import (
     Boundary,
@@ -69,6 +70,7 @@ EPILOG = examples(
     "remanifold reconstruct distances.npy -k 2 -o cloud.rm.npz --matrix distances",
     "cat points.txt | remanifold reconstruct - --format txt -k 2 -o mesh.obj",
     "remanifold reconstruct scan.ply -k 2 -o - --format off > mesh.off",
+    "remanifold reconstruct tiles/ -k 2 -o mesh.ply --distributed --workers 8",
 )
 
 
@@ -117,6 +119,55 @@ def reconstruct(
     format: FormatOption = None,
     output_format: OutputFormatOption = None,
     threads: ThreadsOption = None,
+    distributed: Annotated[
+        bool,
+        typer.Option(
+            "--distributed",
+            help="In tiles, by the processes of a Dask cluster: for samples that do not "
+            "fit into memory. INPUT may be a folder of .npy, .las, .laz, .parquet or "
+            ".zarr; the output is a .ply, or a directory of parts.",
+        ),
+    ] = False,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS",
+            show_default="a cluster on this machine",
+            help="Distributed: of a running Dask cluster, as tcp://10.0.0.1:8786.",
+        ),
+    ] = None,
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            min=0,
+            show_default="all cores",
+            help="Distributed: processes on this machine; 0 for none but this.",
+        ),
+    ] = None,
+    memory_limit: Annotated[
+        str | None,
+        typer.Option(
+            metavar="SIZE",
+            show_default="a share of all",
+            help="Distributed: memory of each process on this machine, as 3GiB.",
+        ),
+    ] = None,
+    tile_size: Annotated[
+        int | None,
+        typer.Option(show_default="1000000", help="Distributed: samples of a tile."),
+    ] = None,
+    work: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR",
+            show_default="OUTPUT.tiles",
+            help="Distributed: directory of the run, seen by all workers.",
+        ),
+    ] = None,
+    resume: Annotated[
+        bool,
+        typer.Option("--resume", help="Distributed: go on with the run in --work."),
+    ] = False,
     as_json: JsonOption = False,
     quiet: Quiet = False,
 ) -> None:
@@ -138,6 +189,40 @@ def reconstruct(
         search=search,
         checks=checks,
     )
+
+    tiling = Tiling(scheduler, workers, memory_limit, tile_size, work, resume)
+    if distributed:
+        tiling.check()
+        for flag, is_given in (
+            ("--method", method != "manifold"),
+            ("--edges", edges is not None),
+            ("--search", search != "auto"),
+            ("--checks", checks != CHECKS),
+            ("--columns", columns is not None),
+            ("--matrix", matrix is not None),
+            ("--drop-invalid", drop_invalid),
+            ("--keep-positions", keep_positions),
+            ("--format", format is not None),
+            ("--output-format", output_format is not None),
+            ("--num-threads", threads is not None),
+        ):
+            if is_given:
+                msg = "is for one piece, and not for --distributed."
+                raise typer.BadParameter(msg, param_hint=f"'{flag}'")
+        with failures(messages):
+            reconstruct_in_tiles(
+                source,
+                dim,
+                output,
+                options,
+                tiling,
+                messages,
+                fields=fields == "auto",
+                as_json=as_json,
+                quiet=quiet,
+            )
+        return
+    tiling.check_unused()
 
     whole = output_format is None and output.name.lower().endswith(SUFFIX)
     for flag, given in (
