@@ -147,7 +147,8 @@ def _parquet_read(
 ) -> tuple[Points, Arrays]:
     arrow = load("pyarrow", "parquet")
     with _parquet(path) as file:
-        groups, first, row = [], 0, 0
+        groups: list[Any] = []
+        first = row = 0
         for group in range(file.metadata.num_row_groups):
             next_row = row + file.metadata.row_group(group).num_rows
             if row < end and next_row > begin:

@@ -68,7 +68,7 @@ class Plan:
     ) -> NDArray[np.bool_]:
         """Which of some cells a box holds as a whole."""
         inside = (self.cell_low[cells] >= low) & (self.cell_high[cells] <= high)
-        found: NDArray[np.bool_] = inside.all(axis=1)
+        found: NDArray[np.bool_] = np.all(inside, axis=1)
         return found
 
     def neighbors_of(self, tile: int, distance: float) -> list[int]:

@@ -35,6 +35,15 @@ class DistributedTopology:
     num_singular_vertices: int
 
 
+def _first_from(table: NDArray[np.int64], vertex: int, begin: int) -> int:
+    """The first row of a sorted table, from one on, that has no lower vertex."""
+
+    def lowest(row: int) -> int:
+        return int(table[row].min())
+
+    return bisect.bisect_left(range(len(table)), vertex, begin, key=lowest)
+
+
 class DistributedReconstruction:
     """Simplices in parts, read when they are asked for.
 
@@ -98,12 +107,7 @@ class DistributedReconstruction:
         while left:
             vertex += step
             ends = [
-                bisect.bisect_left(
-                    range(len(table)),
-                    vertex,
-                    begin,
-                    key=lambda i, t=table: int(t[i].min()),
-                )
+                _first_from(table, vertex, begin)
                 for table, begin in zip(tables, begins, strict=True)
             ]
             block = np.concatenate(

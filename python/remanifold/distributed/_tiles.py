@@ -39,6 +39,8 @@ NOISE_RADIUS = 5
 # How far from a flat a sample may be, as the core has it.
 FLAT = 1e-6
 NOISE_VALUES = 11
+# More samples than any step looks at around one: neighbors of neighbors that vote.
+ENOUGH = 2_000
 # Around what is asked, in medians of the local scale.
 ASKED_HALO = 9.0
 # Samples of which each is compared with all that are about as near as asked.
@@ -400,6 +402,9 @@ def judge_tile(
     asked = np.concatenate([apart, probes])
     while True:
         near = around(job, tile, asked, halo)
+        if not near.is_enough:
+            halo *= 2
+            continue
         places = near.place(asked)
         away, relative, reach = _core.outliers_at(
             near.samples,
@@ -422,6 +427,9 @@ def probe_tile(
     """What some samples of a tile say about noise."""
     while True:
         near = around(job, tile, probes, halo)
+        if not near.is_enough:
+            halo *= 2
+            continue
         places = near.place(probes)
         found = _core.noise_at(
             near.samples, whole_of(job), job.dim, places, job.threads
@@ -441,6 +449,11 @@ class Near:
     numbers: Numbers  # ascending
     places: Numbers  # in the core; -1 for copies
     is_all: bool  # whether there are no others
+
+    @property
+    def is_enough(self) -> bool:
+        """Whether there are as many as are asked about one: a stray has none near."""
+        return self.is_all or len(self.numbers) >= ENOUGH
 
     def place(self, asked: Numbers) -> list[int]:
         """The core's numbers of some."""

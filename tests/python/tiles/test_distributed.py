@@ -239,9 +239,10 @@ def test_noise_is_refused(samples, tmp_path):
         in_tiles(noisy, 2, tmp_path, outliers=False)
 
 
-def test_outliers_are_refused(samples, tmp_path):
+@pytest.mark.parametrize("place", [(0.0, 0.0, 0.5), (0.0, 40.0, 0.0)])
+def test_outliers_are_refused(samples, tmp_path, place):
     with pytest.raises(rd.BeyondTilesError, match="outliers=False"):
-        in_tiles(np.vstack([samples, [[0.0, 0.0, 0.5]]]), 2, tmp_path)
+        in_tiles(np.vstack([samples, place]), 2, tmp_path)
 
 
 @pytest.mark.parametrize(
@@ -348,10 +349,11 @@ def test_scheduler_killed(samples, expected, tmp_path):
         return subprocess.Popen(command, stderr=subprocess.DEVNULL)
 
     scheduler = start("dask_scheduler", "--port", "0")
-    worker = start("dask_worker", "--nthreads", "1", "--death-timeout", "5")
+    worker = start("dask_worker", "--nthreads", "1", "--death-timeout", "60")
     try:
         with dask.config.set({"distributed.comm.timeouts.connect": "2s"}):
             client = distributed.Client(scheduler_file=str(said), timeout=60)
+            client.wait_for_workers(1, timeout=60)
 
             def kill(name, done, _total):
                 if name == "tiles0" and done == 1:
