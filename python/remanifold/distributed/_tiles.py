@@ -43,8 +43,6 @@ NOISE_VALUES = 11
 ENOUGH = 2_000
 # Around what is asked, in medians of the local scale.
 ASKED_HALO = 9.0
-# Samples of which each is compared with all that are about as near as asked.
-FEW_ASKED = 300
 # A circumradius that is known up to rounding.
 SLACK = 1 + 1e-6
 
@@ -466,32 +464,18 @@ def around(job: Job, tile: int, asked: Numbers, radius: float) -> Near:
     box = load_box(job, tile, radius)
     rows = np.searchsorted(box.numbers, asked)
     axes = np.argsort(-np.ptp(box.points, axis=0), kind="stable")[:3]
-    cells = np.floor((box.points[:, axes] - box.points[:, axes].min(axis=0)) / radius)
-    cells = cells.astype(np.int64) + 1
-    sizes = cells.max(axis=0) + 2
-    steps = np.stack(np.meshgrid(*[[-1, 0, 1]] * len(axes)), axis=-1)
+    cells = box.points[:, axes] - box.points[:, axes].min(axis=0)
+    cells = np.floor(cells / (radius / 2)).astype(np.int64) + 2
+    sizes = cells.max(axis=0) + 3
+    steps = np.stack(np.meshgrid(*[range(-2, 3)] * len(axes)), axis=-1)
     near = cells[rows][:, None] + steps.reshape(-1, len(axes))
     wanted = np.unique(np.ravel_multi_index(tuple(np.moveaxis(near, -1, 0)), sizes))
     kept = np.isin(np.ravel_multi_index(tuple(cells.T), sizes), wanted)
-    if len(asked) <= FEW_ASKED:
-        some = np.flatnonzero(kept)
-        kept[some] = near_any(box.points[some], box.points[rows], radius)
     samples = Points(np.ascontiguousarray(box.points[kept]))
     order, _ = _core.part_order(samples, whole_of(job), job.threads)
     places = np.full(len(samples), -1, dtype=np.int64)
     places[order] = np.arange(len(order))
     return Near(samples, box.numbers[kept], places, box.is_all and bool(kept.all()))
-
-
-def near_any(
-    points: NDArray[np.float64], centers: NDArray[np.float64], radius: float
-) -> NDArray[np.bool_]:
-    """Which points are so near to one of some others."""
-    near = np.zeros(len(points), dtype=bool)
-    for center in centers:
-        away = points - center
-        near |= np.einsum("ij,ij->i", away, away) <= radius * radius
-    return near
 
 
 # ------------------------------------------------------------------ the reconstruction
