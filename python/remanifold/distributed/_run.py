@@ -31,6 +31,9 @@ CHUNK = 1_000_000
 # distance to the (2K+2)-th neighbor. Curves are mended by the mean of all their edges.
 HALO = {2: 20.0, 3: 8.0}
 SEAM = 0.5
+# Where the coarsest samples of a tile have so many times the median scale, its halo is no
+# wider: independent samples do.
+EVEN_ENOUGH = 2.0
 # Around what is only measured.
 MEASURED_HALO = 10.0
 # Smaller data are one tile: some steps look at a share of all samples.
@@ -100,6 +103,8 @@ class Run:
         median = self.value_at(parts, "scales", (distinct - 1) // 2)
         tenth = self.value_at(parts, "ratios", distinct // 10)
         self.scale = median * tasks.scale_of(self.job)
+        coarsest = np.array([part.meta["coarsest"] for part in parts]) / median
+        self.coarseness = np.maximum(1.0, coarsest / EVEN_ENOUGH)
         self.job = self.job.with_(
             distinct=distinct, evenness=_core.evenness_of(tenth, self.job.dim)
         )
@@ -220,7 +225,14 @@ class Run:
     def run_tiles(self, halo: float, seam: float) -> list[Part]:
         """All tiles; those again that are not settled, with more around them."""
         parts: list[Part | None] = [None] * self.num_tiles
-        halos = np.full(self.num_tiles, halo)
+        # As wide in the local scales of where samples are sparse, next to it as well.
+        plan = tasks.plan_of(self.job)
+        halos = np.array(
+            [
+                halo * self.coarseness[[tile, *plan.neighbors_of(tile, halo)]].max()
+                for tile in range(self.num_tiles)
+            ]
+        )
         self.job = self.job.with_(seam=seam)
         left = list(range(self.num_tiles))
         for turn in range(MOST_ROUNDS):

@@ -338,7 +338,11 @@ def measure_tile(job: Job, tile: int, halo: float) -> Part:
             "pieces": pieces,
             "counts": counts,
         },
-        {"distinct": int(own.sum()), "halo": halo},
+        {
+            "distinct": int(own.sum()),
+            "halo": halo,
+            "coarsest": float(found["scales"][own].max(initial=0.0)),
+        },
     )
 
 

@@ -239,6 +239,14 @@ def test_noise_is_refused(samples, tmp_path):
         in_tiles(noisy, 2, tmp_path, outliers=False)
 
 
+def test_halos_are_wider_where_samples_are_sparse(tmp_path):
+    points = torus(14_000, seed=6)
+    thin = (points[:, 0] < -1.5) & (np.random.default_rng(0).random(14_000) < 0.93)
+    points = points[~thin]
+    rec = in_tiles(points, 2, tmp_path, outliers=False)
+    assert_same(rec, in_one_piece(points, 2, outliers=False))
+
+
 @pytest.mark.parametrize("place", [(0.0, 0.0, 0.5), (0.0, 40.0, 0.0)])
 def test_outliers_are_refused(samples, tmp_path, place):
     with pytest.raises(rd.BeyondTilesError, match="outliers=False"):
