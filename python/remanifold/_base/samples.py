@@ -206,7 +206,8 @@ def looks_like_a_mark(
 
     Depth cameras give zeros where they see nothing, which are another point once a scan is
     turned and shifted. Copies by chance are many places with few each: a mark has more
-    than chance leaves to any place, and is one number throughout or alone.
+    than chance leaves to any place, and is one number throughout, or alone and with more
+    than chance adds to the place that has most of the others.
 
     Parameters
     ----------
@@ -218,16 +219,20 @@ def looks_like_a_mark(
     counts = np.bincount(representatives)
     place = int(np.argmax(counts))
     copies = int(counts[place]) - 1
-    if copies < 1:
-        return None
     places = int(np.count_nonzero(counts))
+    if copies < 1 or places == 1:
+        return None
     # The tail of Poisson's law at the rate of the other places, to which one copy is added:
     # that there are none may be chance as well.
     rate = (len(representatives) - places - copies + 1) / places
+    if not samples.is_plain(place):
+        if (used == place).any():
+            return None
+        # Molecules have a few shapes that come again and again, alone as these may be.
+        counts[place] = 0
+        rate = max(rate, int(counts.max()) - 1)
     by_chance = math.log(places) + copies * math.log(rate) - math.lgamma(copies + 1)
-    if by_chance > math.log(_CHANCE) or not (
-        samples.is_plain(place) or not (used == place).any()
-    ):
+    if by_chance > math.log(_CHANCE):
         return None
     return (
         f"{copies + 1:,} of {len(representatives):,} samples coincide"

@@ -158,10 +158,10 @@ def source_of(source: object, work: Path) -> tuple[Source, dict[str, Any]]:
 def _files(path: Path) -> list[Path]:
     """A file, or those of a folder that can be read, by their names."""
     known = ", ".join(FORMATS)
+    if not path.exists():
+        msg = f"source {path}: no such file or folder"
+        raise FileNotFoundError(msg)
     if path.suffix.lower() in FORMATS:
-        if not path.exists():
-            msg = f"source {path} is no file"
-            raise FileNotFoundError(msg)
         return [path]
     if not path.is_dir():
         msg = f"source is {path.name}, expected {known}, a folder of these or an array"

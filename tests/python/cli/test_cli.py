@@ -466,6 +466,8 @@ def test_version_and_help():
             "by the suffix",
             "all cores",
         ),
+        *("a cluster on this machine", "all cores", "a share of all", "1000000"),
+        "OUTPUT.tiles",
     ]
 
 

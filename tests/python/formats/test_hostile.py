@@ -26,6 +26,7 @@ import json, resource, sys, warnings
 import numpy, laspy, lazrs
 import remanifold as rm
 from remanifold.formats.reading import WITH_SIMPLICES
+rm.io  # loads the rest, which takes memory of its own
 for name in ("pye57", "zarr"):
     try:
         __import__(name)
@@ -313,7 +314,8 @@ def read_with_little_memory(*paths):
         capture_output=True,
         text=True,
         check=False,
-        env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
+        # Threads of a reader would each take 128 MiB of addresses, which is no memory.
+        env={**os.environ, "OPENBLAS_NUM_THREADS": "1", "MALLOC_ARENA_MAX": "1"},
     )
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)

@@ -99,8 +99,12 @@ def test_copies_that_mark_nothing():
     drawn = np.random.default_rng(1).integers(0, len(cap), 1500)
     turns, heights = np.meshgrid(np.linspace(0, 2 * np.pi, 20), np.linspace(0, 1, 20))
     cone = np.stack([heights * np.cos(turns), heights * np.sin(turns), 1 + heights], -1)
+    # A circle and two places that come again and again, as rigid shapes of a molecule do.
+    circle = np.pad(rm.datasets.circle(300, random_state=0), ((0, 0), (0, 2)))
+    ends = np.repeat([[0.0, 0, 1, 9], [0, 0, -1, 8]], [40, 35], axis=0)
     for points in (
         *(cap, cap[drawn], np.repeat(cap, 5, axis=0), cone.reshape(-1, 3)),
+        *(np.vstack([circle, ends]), np.ones((50, 3))),
         *(depth_image(1), np.vstack([cap, cap[:1]])),
     ):
         assert rm.MissingWarning not in said(points, 2)[0]
