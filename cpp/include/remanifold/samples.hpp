@@ -62,6 +62,10 @@ class Samples {
   /// Coordinates in which points differ, ascending: the others, which are zero, decide
   /// nothing. Empty where only products are known.
   const std::vector<int>& varying_axes() const { return varying_axes_; }
+  /// Lowest scaled coordinates of all samples that were given, of the whole where these are
+  /// a part: positions from there do not change where all samples are moved without
+  /// rounding. Empty where only products are known.
+  const std::vector<double>& lowest() const { return lowest_; }
   /// Dimension of the smallest flat from which no sample is farther than a millionth of
   /// the extent: a manifold may lie askew in more coordinates than it needs. Where samples
   /// and coordinates are many, some samples stand for all. Points only.
@@ -118,6 +122,7 @@ class Samples {
   std::shared_ptr<const GlobalStatistics> whole_;  // or null
   int ambient_dim_ = 0;
   std::vector<int> varying_axes_;
+  std::vector<double> lowest_;
   double scale_ = 1.0;
   double inverse_scale_ = 1.0;
   std::shared_ptr<double> points_;

@@ -64,7 +64,8 @@ std::uint64_t bits_of(double value) {
 }
 
 /// A number in [0, 1) for each position, so that the order of the samples decides no tie.
-/// Axes on which all agree do not matter.
+/// Axes on which all agree do not matter, nor where all lie together: a difference is
+/// rounded from its exact value, which is the same wherever moving has not rounded.
 class PositionHash {
  public:
   explicit PositionHash(const Samples& samples)
@@ -72,9 +73,10 @@ class PositionHash {
 
   double operator()(Index i) const {
     const double* point = samples_.point(i);
+    const std::vector<double>& lowest = samples_.lowest();
     std::uint64_t lanes[kLanes] = {1, 2, 3, 4};
     for (std::size_t j = 0; j < axes_.size(); ++j) {
-      const std::uint64_t bits = bits_of(point[axes_[j]] + 0.0);  // one zero, not two
+      const std::uint64_t bits = bits_of(point[axes_[j]] - lowest[axes_[j]]);
       std::uint64_t& lane = lanes[j % kLanes];
       lane = (lane ^ bits ^ bits >> 32) * 0x9e3779b97f4a7c15ULL;
     }

@@ -180,6 +180,8 @@ Samples Samples::from_points(MatrixView points,
     if (low[j] != high[j]) {
       samples.varying_axes_.push_back(static_cast<int>(j));
     }
+    samples.lowest_.push_back(low[j] == high[j] ? 0.0
+                                                : low[j] * samples.inverse_scale_);
   }
 
   // Morton code of the three longest axes.
@@ -457,6 +459,9 @@ Samples Samples::without(const std::vector<Index>& left_out) const {
 
 Samples Samples::moved_to(MatrixView points, const Execution& execution) const {
   Samples result = from_points(points, execution);
+  for (std::size_t j = 0; j < lowest_.size(); ++j) {
+    result.lowest_[j] = lowest_[j] * result.inverse_scale_;
+  }
   result.scale_ *= scale_;
   result.inverse_scale_ *= inverse_scale_;
   // From numbers here to input numbers, of which the lowest stands for all that coincide.

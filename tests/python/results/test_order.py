@@ -110,9 +110,8 @@ def test_the_order_of_products_decides_nothing(name, kind):
 PLACED = ["square lattice, rounded", "lattice on a torus", "noisy trefoil", "cap"]
 
 
-@pytest.mark.parametrize("name", ["noisy trefoil", "cap"])
+@pytest.mark.parametrize("name", [*PLACED, "cubic lattice", "shell of voxels"])
 def test_where_the_samples_lie_decides_nothing(name):
-    """But for ties, which go by the coordinates."""
     points, dim = on_a_grid(name)
     expected = rm.reconstruct(points, dim).simplices
     moved = rm.reconstruct(points + 4.0, dim).simplices
