@@ -24,6 +24,10 @@ constexpr Index kSearchSteps = 2000;
 constexpr int kMostDim = 4;
 /// Looks at one vertex, at most.
 constexpr int kRounds = 4;
+/// Complexes with fewer simplices have the work of so many.
+constexpr Offset kLeastSimplices = 1000;
+/// What a candidate for a hole counts: each has its facets sorted.
+constexpr Offset kWorkPerCandidate = 30;
 /// The simplices of a spike have so many times the volume of what closes the hole without
 /// it: on average they are steeper than 60 degrees.
 constexpr double kSteep = 2;
@@ -39,13 +43,14 @@ struct Move {
 class LinkRepair {
  public:
   LinkRepair(const Samples& samples, const std::vector<double>& scales,
-             SimplexArray simplices, const Execution& execution)
+             SimplexArray simplices, Offset work, const Execution& execution)
       : samples_(samples),
         scales_(scales),
         execution_(execution),
         complex_(std::move(simplices), samples.size()),
         arity_(complex_.arity()),
         ruler_(samples, scales),
+        work_left_(work),
         inside_(samples.size(), 0),
         hole_of_(samples.size(), -1),
         tried_at_(samples.size(), -1),
@@ -63,7 +68,7 @@ class LinkRepair {
 
   /// \returns the vertices that the best move has touched; none where none helps
   std::vector<Index> mend(Index v) {
-    if (tried_at_[v] == num_applied_) {
+    if (tried_at_[v] == num_applied_ || work_left_ < 0) {
       return {};  // nothing is as it was not then
     }
     tried_at_[v] = num_applied_;
@@ -71,6 +76,9 @@ class LinkRepair {
     double best_change = 0;
     for (Move& move : moves_at(v)) {
       execution_.poll();
+      if (work_left_ < 0) {
+        break;
+      }
       const double change = change_by(move, best_change);
       if (change < best_change ||
           (change < 0 && change == best_change && move.energy < best.energy)) {
@@ -93,6 +101,9 @@ class LinkRepair {
                                  const FacetPrice& price) {
     std::vector<Index> closed;
     for (const Index v : touched) {
+      if (work_left_ < 0) {
+        break;
+      }
       if (hole_of_[v] >= 0 && changed_[hole_of_[v]] == 0) {
         continue;  // tried from another of its vertices
       }
@@ -229,7 +240,8 @@ class LinkRepair {
     return least;
   }
 
-  bool is_singular_now(Index v) const {
+  bool is_singular_now(Index v) {
+    work_left_ -= static_cast<Offset>(complex_.star(v).size());
     return !complex_.star(v).empty() && !is_sphere_or_ball(complex_.link(v));
   }
 
@@ -265,7 +277,7 @@ class LinkRepair {
     std::vector<Move> moves;
     for (const std::vector<Index>& face : faces_at(v)) {
       const std::vector<std::vector<Offset>> fans = fans_at(face);
-      if (fans.size() < 2) {
+      if (fans.size() < 2 || work_left_ < 0) {
         continue;
       }
       for (const std::vector<Offset>& fan : fans) {
@@ -409,8 +421,9 @@ class LinkRepair {
         detail::append_row(around, complex_[s]);
       }
     }
-    const Cavities cavities =
-        find_cavities(around, inside_, subsets_of(vertices, face), ruler_, price);
+    const SimplexArray candidates = subsets_of(vertices, face);
+    work_left_ -= kWorkPerCandidate * candidates.size();
+    const Cavities cavities = find_cavities(around, inside_, candidates, ruler_, price);
     for (const Index w : vertices) {
       inside_[w] = 0;
     }
@@ -511,6 +524,7 @@ class LinkRepair {
   detail::EditableComplex complex_;
   int arity_;
   SimplexRuler ruler_;
+  Offset work_left_;
   std::vector<std::uint8_t> inside_;
   std::vector<Index> hole_of_;  // the last hole tried at each vertex, or -1
   Offset num_applied_ = 0;      // moves
@@ -540,7 +554,7 @@ std::vector<Index> repair_links(const Samples& samples,
                                 const std::vector<double>& scales,
                                 const std::vector<std::uint8_t>& marked,
                                 const FacetPrice& price, SimplexArray& simplices,
-                                const Execution& execution) {
+                                const Execution& execution, Offset work_per_simplex) {
   if (simplices.arity - 1 > kMostDim) {
     return {};
   }
@@ -549,7 +563,8 @@ std::vector<Index> repair_links(const Samples& samples,
   if (singular.empty() && open.empty()) {
     return {};
   }
-  LinkRepair repair(samples, scales, std::move(simplices), execution);
+  const Offset work = work_per_simplex * std::max(simplices.size(), kLeastSimplices);
+  LinkRepair repair(samples, scales, std::move(simplices), work, execution);
   for (int round = 0; round < kRounds && !singular.empty(); ++round) {
     std::vector<Index> left;
     for (std::size_t i = 0; i < singular.size(); ++i) {
@@ -591,7 +606,7 @@ std::vector<Index> cut_links(const Samples& samples,
     return {};
   }
   const std::vector<double> no_scales;  // cuts are not compared
-  LinkRepair repair(samples, no_scales, std::move(simplices), execution);
+  LinkRepair repair(samples, no_scales, std::move(simplices), 0, execution);
   std::vector<Index> cut = repair.cut(singular);
   simplices = repair.finish();
   return cut;
@@ -604,7 +619,7 @@ std::vector<Index> level_spikes(const Samples& samples,
   if (simplices.arity - 1 > kMostDim || simplices.arity < 3) {
     return levelled;
   }
-  LinkRepair repair(samples, scales, std::move(simplices), execution);
+  LinkRepair repair(samples, scales, std::move(simplices), 0, execution);
   // The steepest first: what lies between strays is none without them.
   std::vector<std::pair<double, Index>> spikes;
   for (Index v = 0; v < samples.size(); ++v) {

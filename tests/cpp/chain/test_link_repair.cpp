@@ -90,6 +90,21 @@ TEST(LinkRepair, WhatNoMoveMendsIsCutAndTold) {
   EXPECT_EQ(simplices.size(), 3 * sides);
 }
 
+TEST(LinkRepair, WhatThereIsNoWorkForIsCutAndTold) {
+  const Numbered given(two_polygons(6));
+  const Index count = given.samples.size();
+  for (const auto& [work, cut] : {std::pair(Offset{0}, std::vector<Index>{0}),
+                                  std::pair(Offset{100}, std::vector<Index>{})}) {
+    SimplexArray simplices = two_bipyramids(6);
+    EXPECT_EQ(repair_links(
+                  given.samples, std::vector<double>(count, 1.0),
+                  std::vector<std::uint8_t>(count, 1),
+                  [](const Index*) { return 20.0; }, simplices, {}, work),
+              cut);
+    EXPECT_TRUE(singular(simplices, count).empty());
+  }
+}
+
 TEST(LinkRepair, CutsWithoutLookingForMore) {
   const Numbered given(two_polygons(6));
   const Index count = given.samples.size();

@@ -274,6 +274,15 @@ def test_programs_have_at_most_so_many_candidates():
     assert 500 < repair.largest_program <= 4000
 
 
+@claims(LIMITS, "**So has the mending of links**: once a thousand simplices of links")
+def test_links_that_there_is_no_work_for_are_cut():
+    """That the work ends is held by the C++ tests of links."""
+    points = datasets.flat_torus(600, dim=4, random_state=0)
+    repair = reconstruct(points, 4).repair
+    assert len(repair.cut_vertices) > 0
+    assert len(repair.singular_vertices) == 0
+
+
 @claims(
     LIMITS,
     "`.stl` has no vertices, only corners of triangles; corners with equal coordinates become one vertex when read, and samples in no triangle are not in the file.",
