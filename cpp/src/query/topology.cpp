@@ -403,7 +403,49 @@ class LinkShapes {
     return at->second;
   }
 
+  /// Sorted vertices of a link, and what numbers them.
+  class Numbering {
+   public:
+    Numbering(const SimplexArray& link, std::vector<Index>& places) : places_(places) {
+      const Index last = *std::max_element(link.vertices.begin(), link.vertices.end());
+      if (last >= kMostPlaces) {
+        vertices_ = link.vertices;
+        detail::sort_unique(vertices_);
+        return;
+      }
+      places_.assign(static_cast<std::size_t>(last) + 1, -1);
+      for (const Index v : link.vertices) {
+        if (places_[v] < 0) {
+          places_[v] = 0;
+          vertices_.push_back(v);
+        }
+      }
+      std::sort(vertices_.begin(), vertices_.end());
+      for (std::size_t i = 0; i < vertices_.size(); ++i) {
+        places_[vertices_[i]] = static_cast<Index>(i);
+      }
+      has_places_ = true;
+    }
+
+    const std::vector<Index>& vertices() const { return vertices_; }
+    Offset operator()(Index v) const {
+      return has_places_ ? places_[v]
+                         : std::lower_bound(vertices_.begin(), vertices_.end(), v) -
+                               vertices_.begin();
+    }
+
+   private:
+    std::vector<Index> vertices_;
+    std::vector<Index>& places_;
+    bool has_places_ = false;
+  };
+
+  /// Of so many samples the place of each is kept: in many dimensions, where there are many
+  /// links and few samples, searching for them took most of the time.
+  static constexpr Index kMostPlaces = 4096;
+
   bool certify_;
+  std::vector<Index> places_;
   std::vector<Index> face_;  // whose link is looked at
   std::unordered_map<std::vector<Index>, LinkShape, HashOfFace> known_;
 };
@@ -426,16 +468,14 @@ LinkShape LinkShapes::of(const SimplexArray& link) {
       return surface.shape();
     }
   }
-  std::vector<Index> vertices = link.vertices;
-  detail::sort_unique(vertices);
+  const Numbering number(link, places_);
+  const std::vector<Index>& vertices = number.vertices();
   const auto num_vertices = static_cast<Offset>(vertices.size());
   detail::DisjointSets sets(num_vertices);
   const auto stars = detail::ragged_of<Offset>(num_vertices, [&](const auto& add) {
     for (Offset s = 0; s < link.size(); ++s) {
       for (int i = 0; i < link.arity; ++i) {
-        add(std::lower_bound(vertices.begin(), vertices.end(), link[s][i]) -
-                vertices.begin(),
-            s);
+        add(number(link[s][i]), s);
       }
     }
   });
