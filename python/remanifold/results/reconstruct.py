@@ -129,7 +129,8 @@ def reconstruct(
         "auto" with the manifold method where `points` are given, and else False.
     gram, distances : array_like, shape (N, N), optional
         Inner products or distances of the samples, instead of `points`. `gram` must be
-        positive semidefinite, and Hermitian if complex.
+        positive semidefinite, and Hermitian if complex; distances of samples to
+        themselves are zero, up to rounding.
     attributes : mapping of str to array_like, optional
         What is known of each sample, such as its color: numbers or bool of shape (N,) or
         (N, C). They come back as `Reconstruction.vertex_attributes`, and go into files.
