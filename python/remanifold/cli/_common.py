@@ -40,6 +40,9 @@ _FLAGS = (
     (r"\bcolumns='([^']*)'", r"--columns \1"),
     (r"say format '(\w+)'", r"say --format \1"),
     (r"^work holds", "--work holds"),
+    (r"\bboundary= ", "--boundary "),
+    (r"; see repair\.remaining\(\)$", "; remanifold report shows where"),
+    (r"read_points reads the points$", "remanifold reconstruct makes a mesh of these"),
     (r"call remanifold\.reconstruct\b", "leave out --distributed"),
     (r"\bremanifold\.distributed\.reconstruct\b", "reconstruct --distributed"),
 )

@@ -546,17 +546,31 @@ def _finish_report(
         "unstarred_simplices": np.empty((0, dim + 1), dtype=np.int32),
     }
     lacks = [
-        f"{number} {what}"
-        for number, what in (
-            (len(report["callous_faces"]), "faces in more than two simplices"),
-            (len(report["singular_vertices"]), "vertices without a proper link"),
-            (holes, "holes where boundary= asks for none"),
-            (len(beyond), "samples on rims that boundary= does not mark"),
+        f"{number} {one if number == 1 else more} {what}"
+        for number, one, more, what in (
+            (
+                len(report["callous_faces"]),
+                "face",
+                "faces",
+                "in more than two simplices",
+            ),
+            (
+                len(report["singular_vertices"]),
+                *("vertex", "vertices", "without a proper link"),
+            ),
+            (holes, "hole", "holes", "where boundary= asks for none"),
+            (
+                len(beyond),
+                *("sample", "samples", "on rims that boundary= does not mark"),
+            ),
             (
                 report["num_unsolved"] - report["num_out_of_time"],
-                "cavities without a solution",
+                *("cavity", "cavities", "without a solution"),
             ),
-            (report["num_out_of_time"], "cavities for which there was no time"),
+            (
+                report["num_out_of_time"],
+                *("cavity", "cavities", "for which there was no time"),
+            ),
         )
         if number
     ]
