@@ -39,6 +39,8 @@ def _load() -> None:
 if not typing.TYPE_CHECKING:  # which would take any name for known
 
     def __getattr__(name: str) -> object:
+        if name in {"distributed", "sklearn"}:  # which take long, or need an extra
+            return importlib.import_module(f"{__name__}.{name}")
         if name == "__all__" or not name.startswith("_"):
             _load()
             if name in globals():  # rooms of the package as well

@@ -1025,3 +1025,19 @@ def test_products_of_single_precision_need_not_be_symmetric(kind):
     uneven[3, 5] += 1e-4
     with pytest.raises(ValueError, match=rf"{kind}.* symmetric"):
         rm.reconstruct(dim=1, **{kind: uneven})
+
+
+@pytest.mark.parametrize(
+    ("module", "name"),
+    [("distributed", "reconstruct"), ("sklearn", "ManifoldReconstruction")],
+)
+def test_modules_need_no_import_of_their_own(module, name):
+    code = f"""
+import sys
+import remanifold as rm
+rm.reconstruct
+assert "remanifold.{module}" not in sys.modules  # nobody waits for it who does not ask
+assert "{module}" not in dir(rm)
+rm.{module}.{name}
+"""
+    subprocess.run([sys.executable, "-c", code], check=True)

@@ -3,9 +3,11 @@
 
 import inspect
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.sparse import csr_array
 from scipy.spatial.distance import cdist
 
 import remanifold as rm
@@ -115,6 +117,12 @@ MATRICES = [
     ("number", 3.0, ValueError, r"two-dimensional .* got shape \(\)"),
     ("1d", POINTS[0], ValueError, r"two-dimensional .* got shape \(3,\)"),
     ("3d", POINTS[None], ValueError, r"two-dimensional .* got shape \(1, 30, 3\)"),
+    (
+        "cloud",
+        SimpleNamespace(points=POINTS),
+        TypeError,
+        r"numbers.*: pass its \.points",
+    ),
     ("ragged", [[1, 2], [3]], ValueError, "rows differ in length"),
     ("text", "points.ply", TypeError, "must hold numbers"),
     ("texts", [["1", "2"], ["3", "4"]], TypeError, "must hold numbers"),
@@ -155,6 +163,13 @@ SAMPLES = {
     "points": [
         *MATRICES,
         ("no_samples", np.empty((0, 3)), ValueError, "is empty"),
+        (
+            "images",
+            np.zeros((4, 8, 3)),
+            ValueError,
+            r"; points\.reshape\(4, -1\) makes .*, points\.reshape\(-1, 3\) each 3 numbers",
+        ),
+        ("sparse", csr_array(GRAM), TypeError, r"numbers.* pass its \.toarray\(\)"),
         ("no_coordinates", np.empty((5, 0)), ValueError, "has no coordinates"),
         ("nan", put(POINTS, (4, 1), np.nan), ValueError, r"points\[4, 1\] is nan"),
         ("inf", put(POINTS, (29, 2), np.inf), ValueError, r"points\[29, 2\] is inf"),
@@ -215,9 +230,17 @@ SAMPLES = {
             ValueError,
             "symmetric.*(4, 3|3, 4)",
         ),
-        ("diagonal", put(DISTANCES, (3, 3), 1e-9), ValueError, r"\[3, 3\] is not zero"),
+        (
+            "diagonal",
+            put(DISTANCES, (3, 3), 1e-5 * DISTANCES.max()),
+            ValueError,
+            r"\[3, 3\] is .*, not zero",
+        ),
+        ("pairs", DISTANCES[0], ValueError, "squareform"),
         ("negative", -DISTANCES, ValueError, r"\[1, 0\] is negative"),
-        ("gram", GRAM, ValueError, r"\[0, 0\] is not zero"),
+        ("gram", GRAM, ValueError, r"not zero; pass inner products as gram="),
+        # What it leaves out is not zero.
+        ("sparse", csr_array(DISTANCES), TypeError, r"must hold numbers, got .*array$"),
         ("complex", DISTANCES + 0j, TypeError, "must be real"),
         *beyond_double("distances", DISTANCES),
     ],
@@ -229,6 +252,20 @@ SAMPLES = {
 )
 def test_samples(function, argument, value, error, says):
     refused(function, argument, value, error, says)
+
+
+def test_rounding_of_distances_to_themselves():
+    # As of products; on a copy.
+    squares = (POINTS**2).sum(axis=1)
+    found = squares[:, None] + squares - 2 * POINTS @ POINTS.T
+    distances = np.sqrt(np.maximum(found, 0.0))
+    np.fill_diagonal(distances, 1e-8)
+    exact = distances - np.diag(np.diagonal(distances))
+    rounded = rm.neighborhoods(distances=distances, num_neighbors=5)
+    np.testing.assert_array_equal(
+        rounded.indices, rm.neighborhoods(distances=exact, num_neighbors=5).indices
+    )
+    assert (np.diagonal(distances) == 1e-8).all()
 
 
 @pytest.mark.parametrize("function", [f for f in RIGHT if takes(f, "points")])

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 _LARGEST_INDEX = np.iinfo(np.int32).max
+# Share of the largest distance: 64 square roots of the rounding of its square.
+_ROUNDED = 64 * np.sqrt(np.finfo(np.float64).eps)
 
 
 def check_samples(
@@ -47,7 +49,7 @@ def check_samples(
         return Points(check_points(points, remedy=remedy))
     if gram is not None:
         return Gram(check_gram(gram))
-    return Distances(_real_matrix(distances, "distances", square=True))
+    return Distances(check_distances(distances))
 
 
 def check_points(
@@ -96,6 +98,28 @@ def check_gram(gram: ArrayLike) -> NDArray[np.float64]:
         )
         raise ValueError(msg) from None
     return matrix
+
+
+def check_distances(distances: ArrayLike | None) -> NDArray[np.float64]:
+    """Square, of samples from themselves zero up to rounding, which is taken away.
+
+    What computes distances by products or angles leaves square roots of rounding there.
+    The rest is the core's to check.
+    """
+    matrix = _real_matrix(distances, "distances", square=True)
+    diagonal = np.abs(np.diagonal(matrix))
+    if not diagonal.any():
+        return matrix
+    worst = int(diagonal.argmax())
+    if diagonal[worst] > _ROUNDED * matrix.max():
+        msg = (
+            f"distances[{worst}, {worst}] is {matrix[worst, worst]:.6g}, not zero; pass "
+            "inner products as gram="
+        )
+        raise ValueError(msg)
+    exact = np.array(matrix)
+    np.fill_diagonal(exact, 0.0)
+    return exact
 
 
 def check_dim(dim: Any, samples: Input) -> int:
@@ -460,6 +484,20 @@ def _check_mask(values: Any, name: str, size: int) -> NDArray[np.bool_]:
     return np.ascontiguousarray(array)
 
 
+def _kind_of(value: object, name: str) -> str:
+    """What an object is, and where it has its numbers."""
+    kind = type(value)
+    said = f"{kind.__module__.partition('.')[0]}'s {kind.__name__}"
+    if kind.__module__ == "builtins":
+        said = repr(value)[:60]
+    for held in ("toarray()", "points", "vertices"):
+        if held == "toarray()" and name == "distances":
+            continue  # what a sparse matrix leaves out is not zero here
+        if hasattr(value, held.removesuffix("()")):
+            return f"{said}: pass its .{held}"
+    return said
+
+
 def _first_other(array: NDArray[Any]) -> tuple[list[int], object]:
     """Where an array of objects holds something that is no number, and what."""
     for place in np.ndindex(array.shape):
@@ -479,6 +517,9 @@ def _as_float(values: Any, name: str) -> NDArray[np.float64]:
                 array = array.astype(np.float64)
             except (TypeError, ValueError):
                 place, entry = _first_other(array)
+                if not place:
+                    msg = f"{name} must hold numbers, got {_kind_of(entry, name)}"
+                    raise TypeError(msg) from None
                 msg = f"{name} must hold numbers, {name}{place} is {entry!r}"
                 raise TypeError(msg) from None
             except OverflowError:
@@ -495,6 +536,21 @@ def _as_float(values: Any, name: str) -> NDArray[np.float64]:
                 )
             raise TypeError(msg)
         return array.astype(np.float64, copy=False)
+
+
+def _to_matrix(array: NDArray[Any], name: str, square: bool) -> str:
+    """How to make two dimensions of others."""
+    if square:
+        if array.ndim == 1 and name == "distances":
+            return "; scipy.spatial.distance.squareform makes a matrix of pairs"
+        return ""
+    if array.ndim < 3:
+        return ""
+    rows = f"{name}.reshape({array.shape[0]}, -1) makes each {name}[i] a sample"
+    if array.shape[-1] > 4:
+        return f"; {rows}"
+    last = array.shape[-1]
+    return f"; {rows}, {name}.reshape(-1, {last}) each {last} numbers"
 
 
 def _real_matrix(
@@ -514,7 +570,7 @@ def _real_matrix(
     if array.ndim != 2:
         msg = (
             f"{name} must be a two-dimensional array, one sample a row; got shape "
-            f"{array.shape}"
+            f"{array.shape}{_to_matrix(array, name, square)}"
         )
         raise ValueError(msg)
     if square and array.shape[0] != array.shape[1]:

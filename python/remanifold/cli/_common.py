@@ -32,6 +32,21 @@ from remanifold.formats.writing import WRITERS
 
 T = TypeVar("T")
 
+# What messages of the package say, and how it is written on the command line.
+_FLAGS = (
+    (r"\b(outliers|smooth)=False\b", r"--\1 no"),
+    (r"\bresume=True\b", "--resume"),
+    (r"\b(gram|distances)=(?!=)", r"--matrix \1"),
+    (r"\bcolumns='([^']*)'", r"--columns \1"),
+    (r"say format '(\w+)'", r"say --format \1"),
+    (r"^work holds", "--work holds"),
+    (r"\bboundary= ", "--boundary "),
+    (r"; see repair\.remaining\(\)$", "; remanifold report shows where"),
+    (r"read_points reads the points$", "remanifold reconstruct makes a mesh of these"),
+    (r"call remanifold\.reconstruct\b", "leave out --distributed"),
+    (r"\bremanifold\.distributed\.reconstruct\b", "reconstruct --distributed"),
+)
+
 
 def messages_console() -> Console:
     """Console of standard error, for messages and progress."""
@@ -275,12 +290,17 @@ def describe(error: Exception) -> str:
         where = f"{error.filename}: " if error.filename else ""
         return f"{where}{error.strerror}"
     if isinstance(error, ValueError | TypeError | OSError | ImportError) and str(error):
-        # As one writes it here.
-        text = re.sub(r"say format '(\w+)'", r"say --format \1", str(error))
-        return re.sub(r"\bcolumns='([^']*)'", r"--columns \1", text)
+        return as_flags(str(error))
     if isinstance(error, MemoryError):
         return f"out of memory: {error}" if str(error) else "out of memory"
     return f"{type(error).__name__}: {error}"
+
+
+def as_flags(text: str) -> str:
+    """Parameters that a message names, as one writes them here."""
+    for pattern, flag in _FLAGS:
+        text = re.sub(pattern, flag, text)
+    return text
 
 
 def say(console: Console, text: str, style: str) -> None:

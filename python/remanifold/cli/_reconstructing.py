@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import dataclasses
-import re
 import warnings
 from collections.abc import Callable
 from pathlib import Path
@@ -18,6 +17,7 @@ from rich.console import Console
 import remanifold as rm
 from remanifold._base.digest import digest_of_file
 from remanifold.cli._common import (
+    as_flags,
     check_invalid,
     command_line,
     complaining,
@@ -140,13 +140,7 @@ def reconstruct_file(
     # The command line judges in any case, and what the file looked like is said.
     said = (rm.DoubtWarning, *((rm.TransposedWarning,) if guesses else ()))
     complaints = [
-        re.sub(
-            r"\b(gram|distances)=",
-            r"--matrix \1",
-            str(w.message).replace("outliers=False", "--outliers no"),
-        )
-        for w in caught
-        if not issubclass(w.category, said)
+        as_flags(str(w.message)) for w in caught if not issubclass(w.category, said)
     ]
     if found is not None and found.confidence < LOW_CONFIDENCE:
         complaints.insert(0, low_confidence(found))

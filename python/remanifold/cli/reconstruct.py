@@ -425,7 +425,8 @@ def _smoothing_text(report: dict[str, Any]) -> str:
 def _complaints(report: dict[str, Any], warned: bool) -> list[str]:
     """Say what the result lacks, unless the library has warned of it."""
     faces, simplices = simplex_names(report["dim"])[-2:]
-    unused = "{} samples are in no simplex"
+    alone = report["unused_samples"] == 1
+    unused = f"{{}} {'sample is' if alone else 'samples are'} in no simplex"
     if report["method"] == "paper":
         unused += f" ({report['boundary_samples']:,} have no tangent space)"
     found = [
@@ -444,7 +445,12 @@ def _defects(
             report["unstarred_simplices"],
             f"{{}} {simplices} are in the star of none of their vertices",
         ),
-        (report["holes"], "{} holes where none were asked for"),
+        (
+            report["holes"],
+            "{} hole where none was asked for"
+            if report["holes"] == 1
+            else "{} holes where none were asked for",
+        ),
         (
             report["singular_vertices"],
             "no manifold: around {} vertices it is neither a ball nor half of one",

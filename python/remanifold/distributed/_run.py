@@ -53,9 +53,12 @@ class BeyondTilesError(ValueError):
 class Run:
     """One call, step by step."""
 
-    def __init__(self, job: tasks.Job, engine: Engine, smooths: bool) -> None:
+    def __init__(
+        self, job: tasks.Job, engine: Engine, outliers: float, smooths: bool
+    ) -> None:
         self.job = job
         self.engine = engine
+        self.outliers = outliers
         self.smooths = smooths
         self.num_tiles = 0
         self.again = 0  # tiles that were run more than once
@@ -95,6 +98,8 @@ class Run:
 
     def measure(self) -> None:
         """All that is decided by all samples at once."""
+        # Not before: a run that keeps outliers goes on with what this one has sorted.
+        self.job = self.job.with_(outliers=self.outliers)
         tiles = range(self.num_tiles)
         # A first guess: samples spread evenly over as much as the extents allow.
         halo = MEASURED_HALO * tasks.first_spacing(tasks.plan_of(self.job), self.job)
@@ -503,15 +508,20 @@ def reconstruct(
     store.write_json(SOURCE, found.said())
     chunk = min(CHUNK, max(tile_size, LEAST_SAMPLES))
     job = tasks.Job(
-        store.root, SOURCE, num_samples, ambient_dim, dim, options, chunk, distance
+        store.root, SOURCE, num_samples, ambient_dim, dim, options, chunk, outliers=0.0
     )
     with client_of(client, num_workers, memory_limit) as own:
         engine = Engine(own, store, progress)
-        run = Run(job, engine, smooth is not False)
-        run.sort(tile_size)
-        run.measure()
-        wide *= run.scale
-        manifest = run.write(run.run_tiles(wide, SEAM * wide))
+        run = Run(job, engine, distance, smooth is not False)
+        try:
+            run.sort(tile_size)
+            run.measure()
+            wide *= run.scale
+            manifest = run.write(run.run_tiles(wide, SEAM * wide))
+        except BeyondTilesError:
+            # The same samples may be tried with other parameters.
+            store.write_json("run.json", {**said, "parameters": None})
+            raise
     store.write_json("manifest.json", manifest)
     return DistributedReconstruction(store.root)
 
@@ -544,13 +554,21 @@ def check_size(dim: int, num_samples: int, ambient_dim: int) -> None:
 def claim(store: Store, said: dict[str, Any], resume: bool) -> None:
     """Take a directory for a run, or go on with the same run."""
     before = store.read_json("run.json")
-    if before is None:
-        store.write_json("run.json", said)
-        return
-    if not resume:
-        msg = "work holds a run already: pass resume=True to go on with it"
+    refused = before is not None and before["parameters"] is None
+    if before is not None and not refused and not resume:
+        msg = (
+            f"work holds a run already, {store.root}: pass resume=True to go on with it, "
+            "or take another directory"
+        )
         raise FileExistsError(msg)
-    for what in ("source", "parameters", "version"):
+    for what, named in (
+        ("source", "another source"),
+        ("parameters", "other parameters"),
+        ("version", "another version"),
+    ):
+        if before is None or (what == "parameters" and refused):
+            continue
         if before[what] != said[what]:
-            msg = f"work holds a run of another {what}: take another directory"
+            msg = f"work holds a run of {named}, {store.root}: take another directory"
             raise ValueError(msg)
+    store.write_json("run.json", said)

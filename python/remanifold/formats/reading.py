@@ -348,7 +348,10 @@ def _checked_suffix(path: StrPath, format: str | None, known: tuple[str, ...]) -
     folder = not standard and Path(path).is_dir()
     suffix = suffix_of(inner_name(path), format, known)
     if folder and suffix not in _FOLDERS:
-        msg = f"{path}: is a directory, expected a file with points"
+        msg = (
+            f"{path}: is a directory, expected a file with points; a folder of them is for "
+            "remanifold.distributed.reconstruct"
+        )
         raise IsADirectoryError(msg)
     if suffix not in known:
         what = "points" if known == tuple(READERS) else "simplices"

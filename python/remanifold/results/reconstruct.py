@@ -129,7 +129,8 @@ def reconstruct(
         "auto" with the manifold method where `points` are given, and else False.
     gram, distances : array_like, shape (N, N), optional
         Inner products or distances of the samples, instead of `points`. `gram` must be
-        positive semidefinite, and Hermitian if complex.
+        positive semidefinite, and Hermitian if complex; distances of samples to
+        themselves are zero, up to rounding.
     attributes : mapping of str to array_like, optional
         What is known of each sample, such as its color: numbers or bool of shape (N,) or
         (N, C). They come back as `Reconstruction.vertex_attributes`, and go into files.
@@ -545,17 +546,31 @@ def _finish_report(
         "unstarred_simplices": np.empty((0, dim + 1), dtype=np.int32),
     }
     lacks = [
-        f"{number} {what}"
-        for number, what in (
-            (len(report["callous_faces"]), "faces in more than two simplices"),
-            (len(report["singular_vertices"]), "vertices without a proper link"),
-            (holes, "holes where boundary= asks for none"),
-            (len(beyond), "samples on rims that boundary= does not mark"),
+        f"{number} {one if number == 1 else more} {what}"
+        for number, one, more, what in (
+            (
+                len(report["callous_faces"]),
+                "face",
+                "faces",
+                "in more than two simplices",
+            ),
+            (
+                len(report["singular_vertices"]),
+                *("vertex", "vertices", "without a proper link"),
+            ),
+            (holes, "hole", "holes", "where boundary= asks for none"),
+            (
+                len(beyond),
+                *("sample", "samples", "on rims that boundary= does not mark"),
+            ),
             (
                 report["num_unsolved"] - report["num_out_of_time"],
-                "cavities without a solution",
+                *("cavity", "cavities", "without a solution"),
             ),
-            (report["num_out_of_time"], "cavities for which there was no time"),
+            (
+                report["num_out_of_time"],
+                *("cavity", "cavities", "for which there was no time"),
+            ),
         )
         if number
     ]

@@ -21,6 +21,7 @@ import pytest
 
 import remanifold as rm
 from remanifold import datasets
+from remanifold.formats.reading import READERS
 
 ROOT = Path(__file__).resolve().parents[3]
 README, LIMITS, SECURITY = "README.md", "docs/limits.md", "SECURITY.md"
@@ -52,6 +53,14 @@ def reconstruct(*arguments, **options):
 
 
 # --- README ---------------------------------------------------------------------------
+
+
+@claims(README, "in any of [24 formats]", "[Sixteen tasks](docs/tasks.md)")
+@claims("docs/quickstart.md", "`.csv`, `.npz` and [19 other formats](files.md#formats)")
+def test_numbers_of_formats_and_tasks():
+    assert len(READERS) == 24 == 5 + 19
+    tasks = (ROOT / "docs/tasks.md").read_text(encoding="utf-8")
+    assert len(re.findall("(?m)^## ", tasks)) == 16
 
 
 @claims(
@@ -109,7 +118,7 @@ def test_smoothing():
     np.testing.assert_array_equal(kept.vertices, points)
 
 
-@claims(README, "the triangles, oriented outward, as indices of the points")
+@claims(README, "as indices of the points, outward where the surface is closed")
 def test_triangles_are_oriented_outward():
     points = datasets.sphere(300, random_state=0) + 5.0
     a, b, c = points[reconstruct(points, 2).simplices].transpose(1, 0, 2)

@@ -450,7 +450,7 @@ def test_a_hole_that_is_not_marked_is_closed_and_listed(radius):
 def test_samples_beyond_the_marked_ones_are_told():
     points, marked, _ = star_shaped_disc(np.random.default_rng(0))
     beyond = np.array([[1.31, 0.02, 0.0]])
-    with pytest.warns(rm.ManifoldWarning, match="1 samples on rims"):
+    with pytest.warns(rm.ManifoldWarning, match="1 sample on rims"):
         rec = rm.reconstruct(
             np.concatenate([points, beyond]), 2, boundary=np.append(marked, False)
         )

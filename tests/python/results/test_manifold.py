@@ -516,7 +516,8 @@ def test_what_must_close_is_closed_or_warned_of(name):
             assert warning.filename == __file__
             assert "see repair.remaining()" in str(warning.message)
         if caught and repair.num_holes:
-            assert f"{repair.num_holes} holes where" in str(caught[0].message)
+            holes = "1 hole" if repair.num_holes == 1 else f"{repair.num_holes} holes"
+            assert f"{holes} where" in str(caught[0].message)
 
 
 def test_a_cap_and_a_band_are_closed():

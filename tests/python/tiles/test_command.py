@@ -83,3 +83,24 @@ def test_one_line_of_progress():
     assert line.text(0, 8, 0.0) == "tiles0 0/8"
     assert line.text(2, 8, 4.0) == "tiles0 2/8, 500 samples/s, 12 s left"
     assert line.text(8, 8, 16.0) == "tiles0 8/8"
+
+
+def test_messages_name_flags(tmp_path):
+    points = np.concatenate(
+        [rm.datasets.torus(5_000, random_state=0), [[0.0, 0.0, 3.0]]]
+    )
+    (tmp_path / "scan").mkdir()
+    np.save(tmp_path / "scan" / "a.npy", points)
+    arguments = (tmp_path / "scan", "-k", 2, "-o", tmp_path / "out.ply")
+    done = run(*arguments)
+    assert done.exit_code == 1
+    assert "a folder of them is for reconstruct --distributed" in done.output
+    tiled = ("--distributed", "--workers", 0)
+    done = run(*arguments, *tiled)
+    assert done.exit_code == 1
+    assert "pass --outliers no to keep all, or leave out --distributed" in done.output
+    done = run(*arguments, *tiled, "--outliers", "no")
+    assert done.exit_code == 0, done.output
+    done = run(*arguments, *tiled, "--outliers", "no")
+    assert "--work holds a run already" in done.output
+    assert "pass --resume to go on" in done.output

@@ -232,6 +232,34 @@ def test_other_samples_are_no_resumption(samples, tmp_path):
         in_tiles(tmp_path / "samples.npy", 2, tmp_path / "work", resume=True)
 
 
+def test_refused_run_is_tried_with_other_parameters(samples, tmp_path):
+    away = np.array([[0.0, 0.0, 3.0]])
+    np.save(tmp_path / "samples.npy", np.concatenate([samples, away]))
+    source, work = tmp_path / "samples.npy", tmp_path / "work"
+    with pytest.raises(rd.BeyondTilesError, match="outliers=False"):
+        in_tiles(source, 2, work)
+    # As the message says, and what was sorted is not sorted again.
+    rec = in_tiles(source, 2, work, outliers=False)
+    stages = rec.manifest["stages"]
+    assert stages["sort"]["known"] == stages["sort"]["tasks"] > 0
+    fresh = in_tiles(source, 2, tmp_path / "fresh", outliers=False)
+    assert rec.manifest["simplices"] == fresh.manifest["simplices"]
+    with pytest.raises(FileExistsError, match="holds a run already"):
+        in_tiles(source, 2, work, outliers=False)
+    with pytest.raises(ValueError, match="a run of other parameters"):
+        in_tiles(source, 2, work, resume=True)
+
+
+def test_refused_run_is_not_one_of_other_samples(samples, tmp_path):
+    away = np.array([[0.0, 0.0, 3.0]])
+    np.save(tmp_path / "samples.npy", np.concatenate([samples, away]))
+    with pytest.raises(rd.BeyondTilesError, match="outliers=False"):
+        in_tiles(tmp_path / "samples.npy", 2, tmp_path / "work")
+    np.save(tmp_path / "samples.npy", samples)
+    with pytest.raises(ValueError, match="a run of another source"):
+        in_tiles(tmp_path / "samples.npy", 2, tmp_path / "work")
+
+
 def test_noise_is_refused(samples, tmp_path):
     rng = np.random.default_rng(2)
     noisy = samples + rng.normal(scale=0.03, size=samples.shape)
