@@ -102,8 +102,8 @@ SimplexArray sorted_unique(const SimplexArray& simplices, const Execution& execu
   const std::vector<Offset> order = row_order(simplices, execution);
   const auto count = static_cast<Offset>(order.size());
   // How many rows of a block are not like those before them, then where these go.
-  std::vector<Offset> starts(static_cast<std::size_t>((count + kBlock - 1) / kBlock) + 1,
-                             0);
+  std::vector<Offset> starts(
+      static_cast<std::size_t>((count + kBlock - 1) / kBlock) + 1, 0);
   const auto is_new = [&](Offset i) {
     return i == 0 || !row_equal(simplices[order[i]], simplices[order[i - 1]], arity);
   };
