@@ -785,7 +785,7 @@ class Calculus(Generic[C]):
         ------
         ValueError
             Vertices that are the same, missing, or joined by no path; ``exact`` on other
-            complexes.
+            complexes; so many points that their steps would fill the memory.
 
         Notes
         -----
