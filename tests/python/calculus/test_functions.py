@@ -383,5 +383,5 @@ def test_orders_that_are_rounding_are_refused(order, penalty):
 def test_exact_fits_that_are_rounding_are_refused():
     whole = rm.reconstruct(rm.datasets.sphere(1000, random_state=0), 2)
     seen = whole.calculus.farthest_points(10)
-    with pytest.raises(ValueError, match="order is 6: .* lost in rounding"):
+    with pytest.raises(ValueError, match=r"order is 6: .* lost in rounding"):
         whole.calculus.fit(np.ones(10), seen, penalty=0, order=6)
