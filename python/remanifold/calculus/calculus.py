@@ -52,6 +52,7 @@ from remanifold.calculus.poisson import (
 )
 from remanifold.calculus.regression import (
     Regression,
+    check_order,
     default_order,
     fit_exactly,
     fit_smooth,
@@ -593,8 +594,8 @@ class Calculus(Generic[C]):
         Raises
         ------
         ValueError
-            Wrong shape, not finite, a vertex that is missing, or a component without
-            values.
+            Wrong shape, not finite, a vertex that is missing, a component without
+            values, or an order of which rounding leaves nothing.
 
         Notes
         -----
@@ -641,6 +642,7 @@ class Calculus(Generic[C]):
         power = default_order(self._complex.dim)
         if order is not None:
             power = check_int(order, "order", minimum=1)
+        check_order(self._operators, power)
         lacking = free_components(self._operators, chosen)
         if lacking.any():
             label = int(lacking.argmax())
@@ -785,7 +787,7 @@ class Calculus(Generic[C]):
         ------
         ValueError
             Vertices that are the same, missing, or joined by no path; ``exact`` on other
-            complexes.
+            complexes; so many points that their steps would fill the memory.
 
         Notes
         -----

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 # edges, which is too long by about a tenth, and so much besides.
 _DETOUR = 1.2
 _MORE_THAN_UNKNOWNS = 1  # sources of exact distances for a logarithm
+_MOST_STEPS = 100_000_000  # between points on the edges of simplices, 60 bytes each
 _RINGS = 2  # of vertices around a coarse path that a finer one may pass
 
 
@@ -130,6 +131,11 @@ def refined_path(
 
     Points that share a simplex are joined by straight lines: with one point an edge
     near the shortest path along the edges, then with all of them near that path.
+
+    Raises
+    ------
+    ValueError
+        So many points that their steps would not fit.
     """
     csgraph = scipy_module("sparse.csgraph")
     count, edges = complex_.num_vertices, complex_.edges
@@ -164,15 +170,23 @@ def _through(
     # and how far along. On an edge they are numbered from its lower vertex on.
     corners = near.shape[1]
     pairs = list(itertools.combinations(range(corners), 2))
+    number = corners + len(pairs) * points
+    steps_each = number * (number - 1) // 2
+    if points > 1 and len(near) * steps_each > _MOST_STEPS:
+        msg = (
+            f"points is {points}, which makes {len(near) * steps_each:,} steps in "
+            f"{len(near):,} simplices, more than {_MOST_STEPS:,}: give fewer points"
+        )
+        raise ValueError(msg)
     shares = np.arange(1, points + 1) / (points + 1)
     keys = np.stack(
         [near[:, i].astype(np.int64) * count + near[:, j] for i, j in pairs]
     )
-    known, number = np.unique(keys, return_inverse=True)
-    number = number.reshape(keys.shape)
+    known, numbers = np.unique(keys, return_inverse=True)
+    numbers = numbers.reshape(keys.shape)
     names = [near[:, i].astype(np.int64) for i in range(corners)]
     weights = [np.eye(corners)[i] for i in range(corners)]
-    for pair, own in zip(pairs, number, strict=True):
+    for pair, own in zip(pairs, numbers, strict=True):
         for k, share in enumerate(shares):
             names.append(count + own * points + k)
             weight = np.zeros(corners)

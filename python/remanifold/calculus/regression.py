@@ -26,6 +26,9 @@ _PROBES = 32  # random vectors that estimate a trace; up to as many it is exact
 _PER_DECADE = 1  # penalties that are tried, before the best is refined
 _REFINEMENTS = 8  # steps of golden section: to 2 % of two decades
 _BLOCK = 256  # right hand sides at a time
+# By how much a constant function, which has no roughness, may come back changed: rounding
+# then is a thousandth of the values, which is less than what they tell.
+_STEADY = 1e-3
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -151,6 +154,71 @@ def roughness(operators: Operators, used: NDArray[np.bool_], order: int) -> Any:
     return ((matrix + matrix.T) / 2).tocsr()
 
 
+def check_order(operators: Operators, order: int) -> None:
+    """Refuse an order whose roughness has twice the digits of a number, and more.
+
+    As many as its eigenvalues span; half of them is what the mixed system takes.
+    """
+    spanned = order * 2 / operators.dim * np.log10(max(int(operators.used.sum()), 1))
+    if spanned > -2 * np.log10(np.finfo(np.float64).eps):
+        raise ValueError(_too_high(order))
+
+
+def _too_high(order: int) -> str:
+    return (
+        f"order is {order}: derivatives of that order are lost in rounding on these "
+        "simplices; take a lower order, or fewer vertices"
+    )
+
+
+def _solver(
+    operators: Operators,
+    rough: Any,
+    data: Floats,
+    weight: float,
+    order: int,
+    lost: list[float],
+) -> Solver | None:
+    """Of data and weighted roughness; None where all is rounding.
+
+    `lost` is the least weight at which the sum of both was: from there on it always is.
+
+    The product of stiffness matrices squares, and more, what rounding does. Where that
+    shows the factors are kept apart: u_0 is the function, u_k+1 = s M^-1 S u_k with
+    s^order = weight, and data u_0 + s S u_last is the load.
+    """
+    sparse = scipy_module("sparse")
+    if weight < lost[0]:
+        solve = factorized(sparse.csr_array(sparse.diags(data)) + weight * rough)
+        if _is_steady(solve, data):
+            return solve
+        lost[0] = weight
+    if order == 1:
+        return None
+    used, size = operators.used, len(data)
+    stiffness = weight ** (1 / order) * operators.stiffness[used][:, used]
+    masses = sparse.diags(operators.volumes[used])
+    rows: list[list[Any]] = [[None] * order for _ in range(order)]
+    rows[0][0] = sparse.diags(data)
+    rows[0][-1] = stiffness
+    for k in range(1, order):
+        rows[k][k - 1], rows[k][k] = stiffness, -masses
+    factors = scipy_module("sparse.linalg").splu(sparse.block_array(rows).tocsc())
+
+    def solve_mixed(right: Floats) -> Floats:
+        found = np.empty_like(right)
+        for i, column in enumerate(right.reshape(size, -1).T):
+            whole = np.concatenate([column, np.zeros((order - 1) * size)])
+            found.reshape(size, -1)[:, i] = factors.solve(whole)[:size]
+        return found
+
+    return solve_mixed if _is_steady(solve_mixed, data) else None
+
+
+def _is_steady(solve: Solver, data: Floats) -> bool:
+    return bool(np.abs(solve(data) - 1).max(initial=0.0) <= _STEADY)
+
+
 def fit_smooth(
     operators: Operators,
     vertices: NDArray[np.int64],
@@ -160,7 +228,6 @@ def fit_smooth(
     order: int,
 ) -> Regression:
     """Least squares with a penalty on roughness; see `Calculus.fit`."""
-    sparse = scipy_module("sparse")
     used = operators.used
     places = np.full(len(used), -1, dtype=np.int64)
     places[used] = np.arange(used.sum())
@@ -172,11 +239,13 @@ def fit_smooth(
     load[at] = weights[:, None] * table
     diagonal = np.zeros(len(load))
     diagonal[at] = weights
-    data = sparse.csr_array(sparse.diags(diagonal))
     probes = _probes(len(vertices))
+    lost = [np.inf]
 
-    def at_penalty(weight: float) -> tuple[float, float, Floats, Floats, Solver]:
-        solve = factorized(data + weight * rough)
+    def at_penalty(weight: float) -> tuple[float, float, Floats, Floats, Solver] | None:
+        solve = _solver(operators, rough, diagonal, weight, order, lost)
+        if solve is None:
+            return None
         found = solve(load)
         residuals = root * (table - found[at])
         spread = np.zeros((len(load), probes.shape[1]))
@@ -190,11 +259,15 @@ def fit_smooth(
 
     @functools.cache
     def score_at(weight: float) -> float:
-        return at_penalty(weight)[0]
+        found = at_penalty(weight)
+        return np.inf if found is None else found[0]
 
     if penalty is None:
         penalty = _best_penalty(operators, len(vertices), weights, order, score_at)
-    score, trace, squares, found, solve = at_penalty(penalty)
+    best = at_penalty(penalty)
+    if best is None:
+        raise ValueError(_too_high(order))
+    score, trace, squares, found, solve = best
     noise = np.sqrt(squares / max(len(vertices) - trace, 1e-300))
     wide = np.full((len(used), load.shape[1]), np.nan)
     wide[used] = found
@@ -273,6 +346,9 @@ def fit_exactly(
     found[places[vertices]] = table
     solve = factorized(rough[inner][:, inner])
     found[inner] = solve(-(rough @ found)[inner])
+    held = -(rough @ (~inner).astype(np.float64))[inner]
+    if np.abs(solve(held) - 1).max(initial=0.0) > _STEADY:
+        raise ValueError(_too_high(order))
     squares = np.einsum("nc,nc->c", found, rough @ found)
     components = int(operators.labels.max()) + 1
     # Without components that one value each determines nothing is left to scatter.

@@ -107,8 +107,8 @@ def merge(
                 components.join(node_a, node_b, 1)
                 if not sets.join(node_a, node_b, product):
                     twisted.append(node_a)
-    roots = np.array([sets.find(node)[0] for node in range(int(starts[-1]))])
-    signs = np.array([sets.find(node)[1] for node in range(int(starts[-1]))])
+    nodes_found = [sets.find(node) for node in range(int(starts[-1]))]
+    roots, signs = np.array(nodes_found, dtype=np.int64).reshape(-1, 2).T
     is_open, has_own = np.zeros(len(roots)), np.zeros(len(roots), dtype=bool)
     volumes, sizes = np.zeros(len(roots)), np.zeros(len(roots))
     for t, tile in enumerate(tiles):

@@ -24,7 +24,6 @@ from remanifold.distributed._store import Part, Store
 from remanifold.method.options import Options
 
 # Where a run says which files the samples are in.
-SOURCE = "source.json"
 # Samples that are read at once, without neighbors.
 CHUNK = 1_000_000
 # Halo, and what of it lies along a seam on either side, in medians of the local scale: the
@@ -82,6 +81,12 @@ class Run:
         self.job = self.job.with_(plan=plan)
         self.num_tiles = int(plan.meta["tiles"])
         self.job = self.job.with_(affine_dim=self.affine_dim(scans, chunks))
+        if self.job.affine_dim < self.job.dim:
+            msg = (
+                f"the samples span {self.job.affine_dim} dimensions, and dim is "
+                f"{self.job.dim}: there is no simplex to be found"
+            )
+            raise BeyondTilesError(msg)
         sorted_chunks = self.each("sort", tasks.sort_chunk, chunks)
         self.job = self.job.with_(chunks=tasks.list_chunks(self.job, sorted_chunks))
 
@@ -353,6 +358,7 @@ class Run:
             for name in ("open_faces", "branching", "singular", "unused")
         }
         openings = [one for meta in metas for one in meta["openings"]]
+        anything = faces[-1] > 0  # nothing is no manifold, as in one piece
         return {
             "dim": job.dim,
             "num_samples": job.num_samples,
@@ -366,9 +372,11 @@ class Run:
                     count * (-1) ** k for k, count in enumerate(faces)
                 ),
                 "components": whole.num_components,
-                "orientable": whole.orientable,
-                "closed": total["open_faces"] == 0,
-                "manifold": total["branching"] == 0 and total["singular"] == 0,
+                "orientable": anything and whole.orientable,
+                "closed": anything and total["open_faces"] == 0,
+                "manifold": anything
+                and total["branching"] == 0
+                and total["singular"] == 0,
                 "num_open_faces": total["open_faces"],
                 "num_callous_faces": total["branching"],
                 "num_singular_vertices": total["singular"],
@@ -504,11 +512,12 @@ def reconstruct(
         "parameters": repr((dim, options, distance, smooth, tile_size, wide)),
     }
     claim(store, said, resume)
-    # Of thousands of files, not in what every task is told.
-    store.write_json(SOURCE, found.said())
+    # Of thousands of files, not in what every task is told. A worker keeps what it has read
+    # by this name, over many runs.
+    named = store.put_json("source", found.said())
     chunk = min(CHUNK, max(tile_size, LEAST_SAMPLES))
     job = tasks.Job(
-        store.root, SOURCE, num_samples, ambient_dim, dim, options, chunk, outliers=0.0
+        store.root, named, num_samples, ambient_dim, dim, options, chunk, outliers=0.0
     )
     with client_of(client, num_workers, memory_limit) as own:
         engine = Engine(own, store, progress)

@@ -138,6 +138,13 @@ class Store:
         with complete_file(path) as file:
             file.write(json.dumps(value, indent=1).encode())
 
+    def put_json(self, step: str, value: Any) -> str:
+        """Write a small file whose name, which is returned, says what is in it."""
+        digest = hashlib.blake2b(json.dumps(value).encode(), digest_size=12).hexdigest()
+        name = f"{step}-{digest}.json"
+        self.write_json(name, value)
+        return name
+
     def read_json(self, name: str) -> Any:
         """Read what `write_json` wrote; None where it did not."""
         path = Path(self.root) / name

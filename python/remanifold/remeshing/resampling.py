@@ -28,6 +28,13 @@ def resample(
     if whole.dim < 1 or len(whole.simplices) == 0:
         msg = f"the complex has {len(whole.simplices)} simplices: nothing to resample"
         raise ValueError(msg)
+    most = int(np.iinfo(np.int32).max)
+    if _TO_CHOOSE_FROM * wanted > most:
+        msg = (
+            f"num_vertices is {wanted}, expected at most {most // _TO_CHOOSE_FROM}: "
+            f"{_TO_CHOOSE_FROM} times as many are made to choose from"
+        )
+        raise ValueError(msg)
     dense = ComplexData(whole.coordinates, whole.simplices)
     while len(np.unique(dense.simplices)) < _TO_CHOOSE_FROM * wanted:
         finer = subdivide(dense, fitted=True)

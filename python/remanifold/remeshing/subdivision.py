@@ -33,6 +33,25 @@ class Subdivision(NamedTuple):
     simplices: NDArray[np.int32]
 
 
+def check_rounds(whole: ComplexData, rounds: int) -> None:
+    """Refuse, before the first, rounds after which simplices could not be numbered.
+
+    Raises
+    ------
+    ValueError
+        2^(K rounds) times as many simplices are more than an index can tell apart.
+    """
+    most, halvings = int(np.iinfo(np.int32).max), whole.dim * rounds
+    count = len(whole.simplices)
+    # Beyond the first condition the power need not be written out.
+    if count and (halvings >= most.bit_length() or count << halvings > most):
+        msg = (
+            f"rounds is {rounds}, which makes 2^{halvings} times as many simplices as the "
+            f"{count:,} there are: more than {most:,}"
+        )
+        raise ValueError(msg)
+
+
 def subdivide(whole: ComplexData, *, fitted: bool) -> Subdivision:
     """Every edge cut once; see `SimplicialComplex.subdivide`."""
     count = whole.num_vertices

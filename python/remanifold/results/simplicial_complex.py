@@ -540,7 +540,7 @@ class SimplicialComplex(ComplexData):
         Parameters
         ----------
         rounds : int
-            How often.
+            How often; each makes 2^K times as many simplices.
         fitted : bool
             Put new vertices where curves through the edges' ends, along their tangent
             spaces, pass: exact on spheres, of fourth order elsewhere. Otherwise, and for
@@ -553,6 +553,11 @@ class SimplicialComplex(ComplexData):
             Its first N vertices are those of this complex. Of the last round its
             `vertex_attributes` have as ``edge`` the two vertices between which each lies,
             the same twice for those that were there.
+
+        Raises
+        ------
+        ValueError
+            More simplices than a complex can have, which is said before the first round.
 
         References
         ----------
@@ -567,6 +572,7 @@ class SimplicialComplex(ComplexData):
         16
         """
         number = check_int(rounds, "rounds", minimum=1)
+        subdivision.check_rounds(self, number)
         found = self
         for _ in range(number):
             finer = subdivision.subdivide(found, fitted=bool(fitted))
@@ -596,6 +602,11 @@ class SimplicialComplex(ComplexData):
         SimplicialComplex
             By `subdivide` until there are four times as many to choose from, and
             `simplify` with ``even``. It has more vertices where the topology needs them.
+
+        Raises
+        ------
+        ValueError
+            Four times as many vertices could not be numbered.
         """
         found = resampling.resample(self, num_vertices, progress).part
         assert found.vertices is not None

@@ -351,3 +351,37 @@ def test_harmonic_forms_are_as_many_as_classes(draw, dim, betti):
                 assert np.abs(step).max() < 1e-6 * size
             if degree:
                 assert np.abs(calculus.codifferential(degree, form)).max() < 1e-5
+
+
+@pytest.mark.parametrize(
+    ("dim", "count", "order", "penalty"), [(1, 20_000, 2, 5.0), (2, 600, 5, 0.02)]
+)
+def test_a_constant_comes_back(dim, count, order, penalty):
+    """By the product of the stiffness matrices it came back changed by all it was."""
+    if dim == 1:
+        turns = np.sort(np.random.default_rng(0).random(count)) * 2 * np.pi
+        rows = np.arange(count)
+        circle = np.stack([np.cos(turns), np.sin(turns)], axis=1)
+        whole = rm.SimplicialComplex(
+            circle, np.stack([rows, np.roll(rows, -1)], axis=1)
+        )
+    else:
+        whole = rm.reconstruct(rm.datasets.sphere(count, random_state=0), 2)
+    found = whole.calculus.fit(np.ones(count), penalty=penalty, order=order)
+    np.testing.assert_allclose(found.values, 1, atol=1e-3)
+
+
+@pytest.mark.parametrize("penalty", [0, 1.0, "gcv"])
+@pytest.mark.parametrize("order", [30, 10**9])
+def test_orders_that_are_rounding_are_refused(order, penalty):
+    """One went on without end, and others gave anything."""
+    whole = rm.reconstruct(rm.datasets.sphere(300, random_state=0), 2)
+    with pytest.raises(ValueError, match=f"order is {order}: .* lost in rounding"):
+        whole.calculus.fit([0, 1, 2], [0, 100, 200], penalty=penalty, order=order)
+
+
+def test_exact_fits_that_are_rounding_are_refused():
+    whole = rm.reconstruct(rm.datasets.sphere(1000, random_state=0), 2)
+    seen = whole.calculus.farthest_points(10)
+    with pytest.raises(ValueError, match=r"order is 6: .* lost in rounding"):
+        whole.calculus.fit(np.ones(10), seen, penalty=0, order=6)

@@ -280,3 +280,11 @@ def test_what_they_say():
     assert repr(calculus.voronoi_cells([0, 3])) == "VoronoiCells(sites=2, vertices=25)"
     assert repr(calculus.mean([0])) == "FrechetMean(vertex=0, variance=0.0)"
     assert repr(calculus.logarithm(12)) == "LogarithmMap(vertex=12, vertices=25)"
+
+
+@pytest.mark.parametrize("points", [5_000, 10**9])
+def test_more_points_on_edges_than_memory_holds_are_refused(points):
+    """Their steps grow with the square: arrays of any size were asked for."""
+    complex_, _ = torus_grid(12)
+    with pytest.raises(ValueError, match=f"points is {points}, which makes .* steps"):
+        complex_.calculus.shortest_path(0, 40, points=points)

@@ -69,3 +69,16 @@ def test_bad_numbers_are_named():
         triangle.subdivide(0)
     with pytest.raises(ValueError, match="num_vertices is 2, expected at least 3"):
         triangle.resample(2)
+
+
+@pytest.mark.parametrize("dim", [1, 2, 3])
+@pytest.mark.parametrize("rounds", [40, 2**31 - 1])
+def test_more_simplices_than_can_be_numbered_are_refused_at_once(dim, rounds):
+    """Memory ran out after seconds, and what was missing was not said."""
+    simplex = rm.SimplicialComplex(np.eye(dim + 1), np.arange(dim + 1)[None])
+    with pytest.raises(ValueError, match=r"rounds is \d+, which makes 2\^\d+ times"):
+        simplex.subdivide(rounds)
+    with pytest.raises(
+        ValueError, match="num_vertices is 1000000000, expected at most"
+    ):
+        simplex.resample(1_000_000_000)

@@ -3,6 +3,7 @@
 
 import errno
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -294,6 +295,14 @@ def test_outliers_are_refused(samples, tmp_path, place):
         ("nothing", 2, {}, FileNotFoundError, "nothing: no such file or folder"),
         (np.zeros((9_999, 3)), 4, {}, ValueError, "dim is 4"),
         (np.zeros((9_999, 3)), 1, {}, rd.BeyondTilesError, "dim is 1"),
+        (np.ones((9_999, 3)), 2, {}, rd.BeyondTilesError, "span 0 dimensions"),
+        (
+            np.arange(9_999)[:, None] * [1, 2, 3],
+            2,
+            {},
+            rd.BeyondTilesError,
+            "span 1 dim",
+        ),
     ],
 )
 def test_refusals(tmp_path, points, dim, options, error, words):
@@ -312,7 +321,8 @@ def test_ranks_are_those_of_the_core(tmp_path):
         run = _run.Run(
             _tiles.Job(str(tmp_path), "", 0, 3, 2, None, 1, 0.0),
             _engine.Engine(None, store),
-            False,
+            outliers=0.0,
+            smooths=False,
         )
         assert run.value_at(parts, "x", rank) == np.sort(values)[rank]
 
@@ -405,3 +415,21 @@ def test_scheduler_killed(samples, expected, tmp_path):
     rec = in_tiles(samples, 2, tmp_path / "work", resume=True)
     assert rec.manifest["stages"]["tiles0"]["known"] >= 1
     assert_same(rec, expected)
+
+
+def test_another_source_in_the_same_directory(tmp_path):
+    """A process that had read the first source took it for the second, too."""
+    for seed in (3, 4):
+        points = torus(8_000, seed)
+        np.save(tmp_path / f"{seed}.npy", points)
+        rec = in_tiles(tmp_path / f"{seed}.npy", 2, tmp_path / "work")
+        assert_same(rec, in_one_piece(points, 2))
+        shutil.rmtree(tmp_path / "work")
+
+
+def test_nothing_is_no_manifold(tmp_path):
+    """Without simplices there was an error of NumPy's."""
+    points = torus(8_000)
+    rec = in_tiles(points, 2, tmp_path, hole_radius=1e-3)
+    assert len(rec.simplices) == 0
+    assert_same(rec, in_one_piece(points, 2, hole_radius=1e-3))
