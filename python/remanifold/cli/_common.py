@@ -36,6 +36,7 @@ T = TypeVar("T")
 _FLAGS = (
     (r"\b(outliers|smooth)=False\b", r"--\1 no"),
     (r"\bresume=True\b", "--resume"),
+    (r"\bmax_(seconds|memory)\b", r"--max-\1"),
     (r"\b(gram|distances)=(?!=)", r"--matrix \1"),
     (r"\bcolumns='([^']*)'", r"--columns \1"),
     (r"say format '(\w+)'", r"say --format \1"),
@@ -292,7 +293,10 @@ def describe(error: Exception) -> str:
     if isinstance(error, ValueError | TypeError | OSError | ImportError) and str(error):
         return as_flags(str(error))
     if isinstance(error, MemoryError):
-        return f"out of memory: {error}" if str(error) else "out of memory"
+        text = as_flags(str(error))
+        if text.startswith("--max-memory"):
+            return text
+        return f"out of memory: {text}" if text else "out of memory"
     return f"{type(error).__name__}: {error}"
 
 

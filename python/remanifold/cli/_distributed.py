@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import typer
 from rich.console import Console
 from rich.table import Table
@@ -18,7 +19,38 @@ from rich.table import Table
 from remanifold._base.optional import load
 from remanifold.cli._common import print_report, rows_table, say
 from remanifold.complex.topology import simplex_names
+from remanifold.distributed._run import CHUNK
+from remanifold.distributed._sources import source_of_files
 from remanifold.method.options import Options
+
+
+def folder_report(path: Path) -> dict[str, Any]:
+    """What the files of a folder hold together: what `--distributed` takes.
+
+    All coordinates are gone through, some at a time.
+    """
+    source = source_of_files(path)
+    count, ambient_dim = source.shape()
+    low, high = np.full(ambient_dim, np.inf), np.full(ambient_dim, -np.inf)
+    num_finite = 0
+    for begin in range(0, count, CHUNK):
+        points = source.read(begin, min(begin + CHUNK, count))
+        points = points[np.isfinite(points).all(axis=1)]
+        num_finite += len(points)
+        if len(points):
+            low = np.minimum(low, points.min(axis=0))
+            high = np.maximum(high, points.max(axis=0))
+    return {
+        "input": str(path),
+        "files": {Path(p.path).name: p.layout.rows for p in source.pieces},
+        "num_points": count,
+        "ambient_dim": ambient_dim,
+        "coordinates": [name for name in source.pieces[0].layout.axes if name],
+        "not_finite": count - num_finite,
+        "bounding_box": [low.tolist(), high.tolist()] if num_finite else None,
+        "diagonal": float(np.linalg.norm(high - low)) if num_finite else None,
+        "fields": source.attribute_names(),
+    }
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import math
+import re
 from pathlib import Path
 from typing import Annotated, Any, TypeAlias
 
@@ -173,6 +175,40 @@ Matrix: TypeAlias = Annotated[
         "The input holds no points but the inner products of all samples with each "
         "other, or their distances, N rows of N numbers.",
         "points",
+    ),
+]
+MaxSeconds: TypeAlias = Annotated[
+    float | None,
+    typer.Option(
+        show_default="no limit",
+        help="Time that may be taken: then the best manifold so far, which the verdict "
+        "says; what cannot be done in it is an error.",
+    ),
+]
+
+
+def _bytes(text: str) -> float:
+    found = re.fullmatch(r"([0-9.]+)\s*([kMGT]i?)?B?", text, re.IGNORECASE)
+    try:
+        number = float(found[1]) if found else math.nan
+    except ValueError:
+        number = math.nan
+    if not number > 0:
+        msg = f"{text!r} is no size, expected bytes or 500MB, 3GiB, ..."
+        raise typer.BadParameter(msg)
+    unit = (found[2] or "") if found else ""
+    base = 1024 if unit.lower().endswith("i") else 1000
+    return float(number * base ** " kmgt".index(unit[:1].lower() or " "))
+
+
+MaxMemory: TypeAlias = Annotated[
+    float | None,
+    typer.Option(
+        parser=_bytes,
+        metavar="SIZE",
+        show_default="no limit",
+        help="Memory that may be taken, as 3GiB: what is expected to take more is an "
+        "error before any work.",
     ),
 ]
 Quiet: TypeAlias = Annotated[

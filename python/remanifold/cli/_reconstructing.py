@@ -72,6 +72,8 @@ def reconstruct_file(
     columns: str | None,
     drop_invalid: bool,
     matrix: str | None = None,
+    max_seconds: float | None = None,
+    max_memory: float | None = None,
 ) -> Done:
     """Read, find the dimension if asked to, and reconstruct.
 
@@ -127,6 +129,8 @@ def reconstruct_file(
             attributes=mesh.fields,
             invalid="drop" if drop_invalid else "raise",
             num_threads=threads,
+            max_seconds=max_seconds,
+            max_memory=max_memory,
             progress=show_progress,
         )
     source_of = {"name": str(source) if is_standard(source) else source.name}

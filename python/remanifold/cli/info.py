@@ -28,6 +28,7 @@ from remanifold.cli._common import (
     say,
     split_formats,
 )
+from remanifold.cli._distributed import folder_report
 from remanifold.cli._examples import examples
 from remanifold.complex.topology import simplex_names
 from remanifold.formats._mesh import (
@@ -37,6 +38,7 @@ from remanifold.formats._mesh import (
     without_degenerate,
 )
 from remanifold.formats._source import Source
+from remanifold.formats.reading import is_folder
 from remanifold.method.dimension import LOW_CONFIDENCE
 from remanifold.method.provenance import said
 from remanifold.method.survey import MOST, survey
@@ -45,6 +47,7 @@ EPILOG = examples(
     "remanifold info scan.laz",
     "remanifold info mesh.ply --json",
     "remanifold info scan.rm.npz",
+    "remanifold info tiles/ --json",
     "remanifold info table.csv --columns easting,northing,height",
     "cat points.csv | remanifold info - --format csv",
 )
@@ -54,7 +57,9 @@ def info(
     source: Annotated[
         Path,
         typer.Argument(
-            metavar="FILE", help="Points or a mesh, in any format that can be read."
+            metavar="FILE",
+            help="Points or a mesh, in any format that can be read; or a folder of the "
+            "files that reconstruct --distributed takes together.",
         ),
     ],
     dim: Annotated[
@@ -84,6 +89,15 @@ def info(
     reconstruction would take; of a mesh its topology.
     """
     messages = messages_console()
+    if is_folder(source) and format is None:
+        for flag, given in (("--dim", dim), ("--columns", columns)):
+            if given is not None:
+                msg = "is for one file, and the input is a folder."
+                raise typer.BadParameter(msg, param_hint=f"'{flag}'")
+        with failures(messages):
+            report = folder_report(source)
+        print_report(report, _folder_table, as_json=as_json)
+        return
     with failures(messages):
         format, _ = split_formats(source, None, format, None)
         with warnings.catch_warnings(record=True) as caught:
@@ -297,6 +311,28 @@ def _complex(file: Source, mesh: FileMesh, dim: int | None) -> dict[str, Any]:
         "singular_vertices": len(topology.singular_vertices),
     }
     return report
+
+
+def _folder_table(report: dict[str, Any]) -> Table:
+    low, high = report["bounding_box"] or ([], [])
+    rows = {
+        "folder": report["input"],
+        "files": "\n".join(
+            f"{name}, {count:,} points" for name, count in report["files"].items()
+        ),
+        "points": f"{report['num_points']:,} in R^{report['ambient_dim']}",
+    }
+    if report["coordinates"]:
+        rows["coordinates"] = ", ".join(report["coordinates"])
+    if report["not_finite"]:
+        rows["not finite"] = f"{report['not_finite']:,}"
+    if report["bounding_box"] is not None:
+        rows["from"] = _numbers(low, report["diagonal"])
+        rows["to"] = _numbers(high, report["diagonal"])
+        rows["diagonal"] = f"{report['diagonal']:.6g}"
+    if report["fields"]:
+        rows["fields"] = ", ".join(report["fields"])
+    return rows_table(rows)
 
 
 def _table(report: dict[str, Any], name: str) -> Table:

@@ -40,6 +40,8 @@ from remanifold.cli._options import (
     Estimator,
     HoleRadius,
     Matrix,
+    MaxMemory,
+    MaxSeconds,
     Method,
     NumNeighbors,
     Outliers,
@@ -119,6 +121,8 @@ def reconstruct(
     format: FormatOption = None,
     output_format: OutputFormatOption = None,
     threads: ThreadsOption = None,
+    max_seconds: MaxSeconds = None,
+    max_memory: MaxMemory = None,
     distributed: Annotated[
         bool,
         typer.Option(
@@ -205,6 +209,8 @@ def reconstruct(
             ("--format", format is not None),
             ("--output-format", output_format is not None),
             ("--num-threads", threads is not None),
+            ("--max-seconds", max_seconds is not None),
+            ("--max-memory", max_memory is not None),
         ):
             if is_given:
                 msg = "is for one piece, and not for --distributed."
@@ -264,6 +270,8 @@ def reconstruct(
             columns=columns,
             drop_invalid=drop_invalid,
             matrix=matrix,
+            max_seconds=max_seconds,
+            max_memory=max_memory,
         )
         rec = done.rec
         report = _report(rec)

@@ -32,6 +32,8 @@ from remanifold.cli._options import (
     Estimator,
     HoleRadius,
     Matrix,
+    MaxMemory,
+    MaxSeconds,
     Method,
     NumNeighbors,
     Outliers,
@@ -79,6 +81,8 @@ def report(
     drop_invalid: DropInvalidOption = False,
     format: FormatOption = None,
     threads: ThreadsOption = None,
+    max_seconds: MaxSeconds = None,
+    max_memory: MaxMemory = None,
     quiet: Quiet = False,
 ) -> None:
     """Reconstruct a manifold, or take a saved result, and make a page of it.
@@ -134,6 +138,8 @@ def report(
             columns=columns,
             drop_invalid=drop_invalid,
             matrix=matrix,
+            max_seconds=max_seconds,
+            max_memory=max_memory,
         )
         write_report(done.rec, output, title or source.name, command_line())
         _tell(done.rec, output, done.complaints, messages, quiet=quiet)

@@ -137,8 +137,7 @@ def source_of(source: object, work: Path) -> tuple[Source, dict[str, Any]]:
     An array goes into the directory of the run, where workers find it.
     """
     if isinstance(source, (str, Path)):
-        named = Source(tuple(_piece(path) for path in _files(Path(source).resolve())))
-        _check_alike(named)
+        named = source_of_files(Path(source))
         return named, named.identity()
     array = np.ascontiguousarray(source, dtype=np.float64)
     if array.ndim != 2:
@@ -153,6 +152,13 @@ def source_of(source: object, work: Path) -> tuple[Source, dict[str, Any]]:
         with complete_file(path) as file:
             np.save(file, array)
     return Source((_piece(path),)), {"digest": digest, "shape": list(array.shape)}
+
+
+def source_of_files(path: Path) -> Source:
+    """A file, or those of a folder, which have to hold the same coordinates."""
+    source = Source(tuple(_piece(file) for file in _files(path.resolve())))
+    _check_alike(source)
+    return source
 
 
 def _files(path: Path) -> list[Path]:

@@ -342,12 +342,23 @@ def _look_at_shape(source: Source, mesh: FileMesh) -> None:
         )
 
 
+def is_folder(path: StrPath) -> bool:
+    """Whether it is a folder that is no file of a format, as .zarr is one."""
+    return (
+        not is_standard(path)
+        and Path(path).is_dir()
+        and Path(path).suffix.lower() not in _FOLDERS
+    )
+
+
 def _checked_suffix(path: StrPath, format: str | None, known: tuple[str, ...]) -> str:
     """Suffix of a format that can be read, of a file that is there."""
     standard = is_standard(path)
-    folder = not standard and Path(path).is_dir()
+    if not standard and not Path(path).exists():
+        msg = f"{path}: no such file"
+        raise FileNotFoundError(msg)
     suffix = suffix_of(inner_name(path), format, known)
-    if folder and suffix not in _FOLDERS:
+    if not standard and Path(path).is_dir() and suffix not in _FOLDERS:
         msg = (
             f"{path}: is a directory, expected a file with points; a folder of them is for "
             "remanifold.distributed.reconstruct"
@@ -363,7 +374,4 @@ def _checked_suffix(path: StrPath, format: str | None, known: tuple[str, ...]) -
             f"{more or 'use one of ' + ', '.join(known)}"
         )
         raise ValueError(msg)
-    if not standard and not Path(path).exists():
-        msg = f"{path}: no such file"
-        raise FileNotFoundError(msg)
     return suffix

@@ -163,10 +163,16 @@ def read_saved(
 
     `fail` raises an error of the words that it is given.
     """
+    no_result = (
+        "is no saved result, which rec.save() writes; meshes are read by io.read_complex, "
+        "samples by io.read_points"
+    )
     try:
+        if not zipfile.is_zipfile(file):
+            fail(no_result)
         with zipfile.ZipFile(file) as archive:
             if TREE not in archive.namelist():
-                fail("is no saved result: write one by rec.save()")
+                fail(no_result)
             tree = json.loads(archive.read(TREE))
             found = tree["format"]
             if not isinstance(found, int) or found > FORMAT:

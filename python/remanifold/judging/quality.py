@@ -459,7 +459,8 @@ def _verdict(
             where += f" at ({numbers}{more})"
         head += f", {where}"
     else:
-        head = f"{of} do not determine the result"
+        verb = "does" if found.num_samples == 1 else "do"
+        head = f"{of} {verb} not determine the result"
     if recommended is not None:
         parts.append(f"about {recommended:,} would do")
     return f"{head}: {'; '.join(parts)}"

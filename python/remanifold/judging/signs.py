@@ -338,8 +338,9 @@ def too_few(found: Findings) -> Iterator[Sign]:
     if found.num_samples < needed:
         yield Sign(
             True,
-            f"{found.num_samples:,} samples are fewer than the {needed} that tell "
-            "anything about the shape",
+            f"{count_of(found.num_samples, 'sample')} "
+            f"{'is' if found.num_samples == 1 else 'are'} fewer than the {needed} that "
+            "tell anything about the shape",
             NOWHERE,
             2 * needed / found.num_samples,
         )

@@ -21,6 +21,7 @@ from typer.testing import CliRunner
 import remanifold as rm
 from remanifold import cli
 from remanifold.cli._common import as_flags
+from remanifold.cli._options import _bytes
 from remanifold.io import read_points, write_mesh
 from remanifold.method.options import CHECKS, METHODS
 
@@ -471,6 +472,7 @@ def test_version_and_help():
             "by the suffix",
             "all cores",
         ),
+        *("no limit", "no limit"),
         *("a cluster on this machine", "all cores", "a share of all", "1000000"),
         "OUTPUT.tiles",
     ]
@@ -754,3 +756,32 @@ def test_old_words_are_taken_and_said(tmp_path):
     done = RUNNER.invoke(cli.app, [*arguments, "--num-threads", "-1"])
     assert done.exit_code == 0
     assert "is called" not in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("given", "code", "words"),
+    [
+        (("--max-memory", "1kB"), 1, "--max-memory is 0.001 MB"),
+        (("--max-memory", "1.5 GiB"), 0, ""),
+        (("--max-memory", "many"), 2, "'many' is no size, expected bytes or 500MB"),
+        (("--max-memory", "1.2.3MB"), 2, "is no size"),
+        (("--max-memory", "0"), 2, "is no size"),
+        (("--max-seconds", "0"), 1, "--max-seconds is 0.0, expected a positive"),
+        (("--max-seconds", "600"), 0, ""),
+    ],
+)
+def test_limits(tmp_path, given, code, words):
+    np.savetxt(tmp_path / "a.csv", rm.datasets.torus(300, random_state=0), delimiter=",")
+    command = ["reconstruct", str(tmp_path / "a.csv"), "-k", "2"]
+    done = RUNNER.invoke(cli.app, [*command, "-o", str(tmp_path / "a.ply"), *given])
+    assert done.exit_code == code, done.output
+    assert words in " ".join(done.output.split())
+    assert (tmp_path / "a.ply").exists() == (code == 0)
+
+
+@pytest.mark.parametrize(
+    ("text", "number"),
+    [("700", 700), ("2k", 2e3), ("3 MB", 3e6), ("1GiB", 2**30), ("0.5TiB", 2**39)],
+)
+def test_sizes(text, number):
+    assert _bytes(text) == number

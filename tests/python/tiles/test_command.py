@@ -48,6 +48,25 @@ def test_a_folder_becomes_a_mesh(folder, tmp_path):
     assert "known before" in done.output
 
 
+def test_what_a_folder_holds(folder, tmp_path):
+    done = CliRunner().invoke(app, ["info", str(folder), "--json"])
+    assert done.exit_code == 0, done.output
+    points = np.concatenate([np.load(folder / f"{name}.npy") for name in "ab"])
+    said = json.loads(done.stdout)
+    assert said["files"] == {"a.npy": 2_500, "b.npy": 3_500}
+    assert (said["num_points"], said["ambient_dim"]) == points.shape
+    assert said["bounding_box"] == [
+        points.min(axis=0).tolist(),
+        points.max(axis=0).tolist(),
+    ]
+    shown = CliRunner().invoke(app, ["info", str(folder)]).stdout
+    assert "6,000 in R^3" in shown
+    done = CliRunner().invoke(app, ["info", str(folder), "--dim", "2"])
+    assert (done.exit_code, "is for one file" in done.output) == (2, True)
+    done = CliRunner().invoke(app, ["info", str(tmp_path)])
+    assert (done.exit_code, "without a file of .npy" in done.output) == (1, True)
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [
