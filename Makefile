@@ -64,7 +64,7 @@ test-consumers: $(PACKAGE)
 	tests/consumers/run.sh $(BUILD)
 
 test-python: $(PACKAGE)
-	$(BIN)/python -m pytest -n $(JOBS) --maxprocesses 4
+	$(BIN)/python -m pytest -n $(JOBS) --maxprocesses 4 --dist worksteal
 
 # The tests of Python with other versions of the dependencies: the lowest that
 # pyproject.toml allows, the newest that exist.

@@ -108,6 +108,9 @@ class HullPolytope {
     return farthest;
   }
 
+  /// Those that there is room for: at least as many as there are.
+  Offset room_of_facets() const { return static_cast<Offset>(states_.size()); }
+
   /// \param visit  called with the K ids of each facet
   template <class Visit>
   void for_each_facet(const Visit& visit) {

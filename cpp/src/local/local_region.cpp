@@ -17,12 +17,14 @@
 #include <Eigen/Core>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <memory>
 #include <numeric>
 #include <stdexcept>
+#include <string>
 
 namespace remanifold {
 namespace {
@@ -43,6 +45,13 @@ constexpr double kMaxCornerShare = 4;
 /// region is brought up to date.
 constexpr Index kScanBlock = 1024;
 constexpr int kScanBatch = 64;
+
+/// From this K on the regions of all samples have no more than so many corners together,
+/// each at a cost of K 2^K: those of one sample among many have ten thousand with K = 7,
+/// and a hundred thousand with K = 8, where some tens of samples come to an end.
+constexpr int kManyCornersDim = 8;
+constexpr Offset kMostCornerWork = 200'000'000;
+constexpr Offset kFreeCorners = 10'000;
 
 /// Neighbors within the security radius of most samples drawn at random (measured; the
 /// means are 5, 15, 44 and 135).
@@ -107,6 +116,20 @@ double hash_of_distances(const Samples& samples, Index i) {
 }
 
 /// The local regions of one thread, one sample after the other.
+void refuse_many_corners(int dim, Offset corners, Index num_samples) {
+  if (dim < kManyCornersDim) {
+    return;
+  }
+  const Offset most =
+      std::max((kMostCornerWork >> std::min(dim, 32)) / dim, kFreeCorners);
+  if (corners > most) {
+    throw std::length_error(
+        "dim is " + std::to_string(dim) + ", and the local regions of " +
+        std::to_string(num_samples) + " samples have more than " +
+        std::to_string(most) + " corners: give fewer samples, or a smaller dim");
+  }
+}
+
 template <int K>
 class RegionKernel {
   using Region = detail::Region<K>;
@@ -381,6 +404,9 @@ class RegionKernel {
     }
     const double offset = (squared_distance + weights_[x_] - weights_[q]) / 2;
     region_.insert(normal, offset, q);
+    if constexpr (K == Eigen::Dynamic) {
+      refuse_many_corners(dim_, region_.room_of_corners(), samples_.size());
+    }
   }
 
   /// Cuts by the samples nearest to each corner until no corner is nearer to a sample than
@@ -596,6 +622,7 @@ void compute_all(const Samples& samples, const NeighborSearch& search,
   edge_counts.assign(n + 1, 0);
   star_counts.assign(n + 1, 0);
   result.squared_radii.assign(n, std::numeric_limits<double>::quiet_NaN());
+  std::atomic<Offset> num_corners{0};
 
   const auto work = [&](Block& block, Offset begin, Offset end) {
     kernels.use([&](Kernel& kernel) {
@@ -616,6 +643,8 @@ void compute_all(const Samples& samples, const NeighborSearch& search,
         edge_counts[i + 1] = static_cast<Offset>(block.edge_sets.size() - before);
         block.rows.clear();
         star_counts[i + 1] = kernel.region().append_star(block.rows);
+        refuse_many_corners(result.dim, num_corners += star_counts[i + 1],
+                            samples.size());
         Star::pack(block.rows, block.edge_sets.data() + before, edge_counts[i + 1],
                    block.stars);
         result.squared_radii[i] = kernel.region().squared_radius();

@@ -234,6 +234,9 @@ class Region : public RegionCorners<K> {
     hull_.restart(1 / this->end_);
   }
 
+  /// At least as many as there are.
+  Offset room_of_corners() const { return hull_.room_of_facets(); }
+
   void insert(const Vector& normal, double offset, Index sample) {
     if (K == Eigen::Dynamic) {
       execution_.poll();  // in high dimensions a hull takes seconds
