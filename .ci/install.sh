@@ -23,4 +23,5 @@ esac
 
 mapfile -t wanted < <("$python" .ci/requirements.py "${lowest[@]}" "${@:3}")
 [ ${#wanted[@]} -gt 0 ]
-"$python" -m pip install "${options[@]}" "${wanted[@]}"
+# Bytecode is made where something is imported, which most of it never is.
+"$python" -m pip install --no-compile "${options[@]}" "${wanted[@]}"
