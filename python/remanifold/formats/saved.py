@@ -168,7 +168,7 @@ def read_saved(
         "samples by io.read_points"
     )
     try:
-        if not zipfile.is_zipfile(file):
+        if file.read(2) != b"PK":  # a result that was cut short has its beginning
             fail(no_result)
         with zipfile.ZipFile(file) as archive:
             if TREE not in archive.namelist():
