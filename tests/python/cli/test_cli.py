@@ -375,6 +375,8 @@ def test_options_reach_the_library(tori, tmp_path, monkeypatch):
         "attributes": {},
         "invalid": "raise",
         "num_threads": None,
+        "max_seconds": None,
+        "max_memory": None,
         "progress": False,
     }
     chosen = {
@@ -392,6 +394,8 @@ def test_options_reach_the_library(tori, tmp_path, monkeypatch):
         "attributes": {},
         "invalid": "raise",
         "num_threads": 1,
+        "max_seconds": None,
+        "max_memory": None,
         "progress": False,
     }
     closed = defaults | {"boundary": False, "hole_radius": 2.5, "significance": 0.01}
@@ -771,7 +775,9 @@ def test_old_words_are_taken_and_said(tmp_path):
     ],
 )
 def test_limits(tmp_path, given, code, words):
-    np.savetxt(tmp_path / "a.csv", rm.datasets.torus(300, random_state=0), delimiter=",")
+    np.savetxt(
+        tmp_path / "a.csv", rm.datasets.torus(300, random_state=0), delimiter=","
+    )
     command = ["reconstruct", str(tmp_path / "a.csv"), "-k", "2"]
     done = RUNNER.invoke(cli.app, [*command, "-o", str(tmp_path / "a.ply"), *given])
     assert done.exit_code == code, done.output
