@@ -278,7 +278,7 @@ def test_small_samples_of_many_dimensions_are_disputed():
 def test_many_dimensions_have_few_samples():
     points = np.random.default_rng(0).normal(size=(60, 10))
     with pytest.raises(
-        ValueError, match="dim is 8, .* 60 samples have more than 97656"
+        ValueError, match=r"dim is 8, .* 60 samples have more than 97656"
     ):
         reconstruct(points, 8)
     assert len(reconstruct(points[:20], 8).simplices) > 0

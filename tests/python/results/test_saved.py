@@ -270,7 +270,7 @@ def test_files_cut_short_or_damaged_are_refused(circle):
 def test_other_files_are_no_results(tmp_path):
     square = rm.SimplicialComplex([[0, 0], [1, 0], [0, 1]], [[0, 1, 2]])
     square.write(tmp_path / "a.npz")
-    with pytest.raises(ValueError, match="meshes are read by io.read_complex"):
+    with pytest.raises(ValueError, match=r"meshes are read by io\.read_complex"):
         rm.load(tmp_path / "a.npz")
     with pytest.raises(FileNotFoundError):
         rm.load(tmp_path / "b.rm.npz")
