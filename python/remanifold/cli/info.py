@@ -47,7 +47,6 @@ EPILOG = examples(
     "remanifold info scan.laz",
     "remanifold info mesh.ply --json",
     "remanifold info scan.rm.npz",
-    "remanifold info tiles/ --json",
     "remanifold info table.csv --columns easting,northing,height",
     "cat points.csv | remanifold info - --format csv",
 )

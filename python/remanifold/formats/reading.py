@@ -354,9 +354,6 @@ def is_folder(path: StrPath) -> bool:
 def _checked_suffix(path: StrPath, format: str | None, known: tuple[str, ...]) -> str:
     """Suffix of a format that can be read, of a file that is there."""
     standard = is_standard(path)
-    if not (standard or format or Path(path).suffix or Path(path).exists()):
-        msg = f"{path}: no such file"
-        raise FileNotFoundError(msg)
     suffix = suffix_of(inner_name(path), format, known)
     if not standard and Path(path).is_dir() and suffix not in _FOLDERS:
         msg = (
