@@ -19,8 +19,6 @@ from rich.table import Table
 from remanifold._base.optional import load
 from remanifold.cli._common import print_report, rows_table, say
 from remanifold.complex.topology import simplex_names
-from remanifold.distributed._run import CHUNK
-from remanifold.distributed._sources import source_of_files
 from remanifold.method.options import Options
 
 
@@ -29,6 +27,9 @@ def folder_report(path: Path) -> dict[str, Any]:
 
     All coordinates are gone through, some at a time.
     """
+    from remanifold.distributed._run import CHUNK  # for this only, and takes its time
+    from remanifold.distributed._sources import source_of_files
+
     source = source_of_files(path)
     count, ambient_dim = source.shape()
     low, high = np.full(ambient_dim, np.inf), np.full(ambient_dim, -np.inf)

@@ -312,8 +312,19 @@ def _complex(file: Source, mesh: FileMesh, dim: int | None) -> dict[str, Any]:
     return report
 
 
+def _extent_rows(report: dict[str, Any]) -> dict[str, str]:
+    rows = {}
+    if report["not_finite"]:
+        rows["not finite"] = f"{report['not_finite']:,}"
+    if report["bounding_box"] is not None:
+        low, high = report["bounding_box"]
+        rows["from"] = _numbers(low, report["diagonal"])
+        rows["to"] = _numbers(high, report["diagonal"])
+        rows["diagonal"] = f"{report['diagonal']:.6g}"
+    return rows
+
+
 def _folder_table(report: dict[str, Any]) -> Table:
-    low, high = report["bounding_box"] or ([], [])
     rows = {
         "folder": report["input"],
         "files": "\n".join(
@@ -323,12 +334,7 @@ def _folder_table(report: dict[str, Any]) -> Table:
     }
     if report["coordinates"]:
         rows["coordinates"] = ", ".join(report["coordinates"])
-    if report["not_finite"]:
-        rows["not finite"] = f"{report['not_finite']:,}"
-    if report["bounding_box"] is not None:
-        rows["from"] = _numbers(low, report["diagonal"])
-        rows["to"] = _numbers(high, report["diagonal"])
-        rows["diagonal"] = f"{report['diagonal']:.6g}"
+    rows |= _extent_rows(report)
     if report["fields"]:
         rows["fields"] = ", ".join(report["fields"])
     return rows_table(rows)
@@ -341,13 +347,7 @@ def _table(report: dict[str, Any], name: str) -> Table:
     }
     if report["coordinates"]:
         rows["coordinates"] = report["coordinates"].removeprefix("coordinates are ")
-    if report["not_finite"]:
-        rows["not finite"] = f"{report['not_finite']:,}"
-    if report["bounding_box"] is not None:
-        low, high = report["bounding_box"]
-        rows["from"] = _numbers(low, report["diagonal"])
-        rows["to"] = _numbers(high, report["diagonal"])
-        rows["diagonal"] = f"{report['diagonal']:.6g}"
+    rows |= _extent_rows(report)
     if report["coincident_points"]:
         rows["coincident points"] = f"{report['coincident_points']:,}"
     if report["spacing"] is not None:
