@@ -115,7 +115,6 @@ double hash_of_distances(const Samples& samples, Index i) {
   return hash_to_unit(sum) + share_of_numbers * hash_to_unit(number);
 }
 
-/// The local regions of one thread, one sample after the other.
 void refuse_many_corners(int dim, Offset corners, Index num_samples) {
   if (dim < kManyCornersDim) {
     return;
@@ -130,6 +129,7 @@ void refuse_many_corners(int dim, Offset corners, Index num_samples) {
   }
 }
 
+/// The local regions of one thread, one sample after the other.
 template <int K>
 class RegionKernel {
   using Region = detail::Region<K>;

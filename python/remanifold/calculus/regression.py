@@ -13,7 +13,7 @@ import numpy as np
 from remanifold._base.read_only import ReadOnlyArrays
 from remanifold._base.text import one_line, rounded
 from remanifold._base.validation import check_selection
-from remanifold.calculus.solving import Solver, factorized, scipy_module
+from remanifold.calculus.solving import Solver, by_columns, factorized, scipy_module
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -205,17 +205,16 @@ def _solver(
         rows[k][k - 1], rows[k][k] = stiffness, -masses
     factors = scipy_module("sparse.linalg").splu(sparse.block_array(rows).tocsc())
 
+    @by_columns
     def solve_mixed(right: Floats) -> Floats:
-        found = np.empty_like(right)
-        for i, column in enumerate(right.reshape(size, -1).T):
-            whole = np.concatenate([column, np.zeros((order - 1) * size)])
-            found.reshape(size, -1)[:, i] = factors.solve(whole)[:size]
-        return found
+        whole = np.concatenate([right, np.zeros((order - 1) * size)])
+        return np.asarray(factors.solve(whole)[:size])
 
     return solve_mixed if _is_steady(solve_mixed, data) else None
 
 
 def _is_steady(solve: Solver, data: Floats) -> bool:
+    """Whether a right hand side of which the solution is one everywhere has that."""
     return bool(np.abs(solve(data) - 1).max(initial=0.0) <= _STEADY)
 
 
@@ -347,7 +346,7 @@ def fit_exactly(
     solve = factorized(rough[inner][:, inner])
     found[inner] = solve(-(rough @ found)[inner])
     held = -(rough @ (~inner).astype(np.float64))[inner]
-    if np.abs(solve(held) - 1).max(initial=0.0) > _STEADY:
+    if not _is_steady(solve, held):
         raise ValueError(_too_high(order))
     squares = np.einsum("nc,nc->c", found, rough @ found)
     components = int(operators.labels.max()) + 1

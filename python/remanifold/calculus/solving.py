@@ -39,7 +39,7 @@ def factorized(matrix: Any) -> Solver:
         return lambda right: right.copy()
     if columns.nnz <= _FEW_ENTRIES * columns.shape[0]:
         columns.sum_duplicates()
-        return _by_columns(
+        return by_columns(
             _core.SparseFactors(
                 columns.indptr.astype(np.int32),
                 columns.indices.astype(np.int32),
@@ -54,10 +54,12 @@ def factorized(matrix: Any) -> Solver:
     )
 
     # One by one: SuperLU takes ten times as long for many at once.
-    return _by_columns(factors.solve)
+    return by_columns(factors.solve)
 
 
-def _by_columns(solve: Solver) -> Solver:
+def by_columns(solve: Solver) -> Solver:
+    """Solve for each column of the right hand sides what `solve` does for one."""
+
     def solve_all(right: NDArray[np.float64]) -> NDArray[np.float64]:
         if right.ndim == 1:
             return np.asarray(solve(np.ascontiguousarray(right)))

@@ -70,11 +70,10 @@ def open_faces(simplices: NDArray[np.int32]) -> NDArray[np.int32]:
         ascending = np.sort(keys)
         once = np.ones(len(keys) + 1, dtype=bool)
         once[1:-1] = ascending[1:] != ascending[:-1]
-        alone = ascending[once[1:] & once[:-1]]
-        if len(alone) == 0:
+        alone = once[1:] & once[:-1]
+        if not alone.any():  # as of all closed complexes: no order is needed
             return faces[:0]
-        order = np.argsort(keys, kind="stable")
-        return np.asarray(faces[order[once[1:] & once[:-1]]])
+        return np.asarray(faces[np.argsort(keys, kind="stable")[alone]])
     rows = np.sort(faces, axis=1)
     order = np.lexsort(rows.T[::-1])
     rows = rows[order]

@@ -23,7 +23,6 @@ from remanifold.distributed._sources import source_of
 from remanifold.distributed._store import Part, Store
 from remanifold.method.options import Options
 
-# Where a run says which files the samples are in.
 # Samples that are read at once, without neighbors.
 CHUNK = 1_000_000
 # Halo, and what of it lies along a seam on either side, in medians of the local scale: the
